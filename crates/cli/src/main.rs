@@ -1,0 +1,2 @@
+//! The program `manylight`.
+fn main() {}
