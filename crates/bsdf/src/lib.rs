@@ -1,1 +1,23 @@
-//! Under construction.
+//! How surfaces scatter: evaluate, sample, density, albedo, and an upper bound over a cone of directions.
+//!
+//! Everything happens in the local shading frame: the normal is +z, every direction is unit and points *away* from the
+//! surface. `wi` is where the path came from, `wo` where it goes; of radiance L arriving along `wo`, the surface sends
+//! f(wi, wo) |wo.z| L towards `wi`. A [`Bsdf`] is a small `Copy` value whose textures are already resolved, so that a
+//! virtual light can keep one.
+//!
+//! ```
+//! use manylight_bsdf::{Bsdf, Diffuse, Mode};
+//! use manylight_math::{Spectrum, Vec2, Vec3};
+//! let bsdf = Bsdf::from(Diffuse::new(Spectrum::gray(0.5)));
+//! let s = bsdf.sample(Vec3::Z, Mode::Radiance, 0.5, Vec2::new(0.3, 0.7)).unwrap();
+//! assert_eq!(s.weight, Spectrum::gray(0.5)); // f cos / pdf
+//! let bound = bsdf.upper_bound(Vec3::Z, s.wo, 0.99);
+//! assert!(bsdf.eval(Vec3::Z, s.wo).largest() <= bound.without_cosine);
+//! ```
+
+mod bsdf;
+mod cone;
+mod diffuse;
+
+pub use bsdf::{Bsdf, BsdfSample, Lobe, Mode};
+pub use diffuse::Diffuse;

@@ -1,0 +1,133 @@
+//! The interface: one value that is any of the models.
+
+use crate::Diffuse;
+use crate::cone::Cone;
+use manylight_math::{Spectrum, Vec2, Vec3};
+
+/// What the path carries. Refraction squeezes radiance into another solid angle, and importance not: the two differ by
+/// (eta_i / eta_t)^2 (Veach 1997, section 5.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Paths from the eye: what comes back along them is radiance.
+    Radiance,
+    /// Paths from a light: what comes back along them is importance.
+    Importance,
+}
+
+/// One direction drawn by [`Bsdf::sample`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsdfSample {
+    /// Where the path goes.
+    pub wo: Vec3,
+    /// f |cos| / pdf.
+    pub weight: Spectrum,
+    /// Density per solid angle [1/sr] (of all smooth lobes together), or the probability of the delta lobe.
+    pub pdf: f32,
+    /// The direction was drawn from a delta lobe: no other direction could have been.
+    pub delta: bool,
+    /// Index of refraction of where the path goes over that of where it came from; 1 for reflection.
+    pub eta: f32,
+}
+
+impl BsdfSample {
+    pub(crate) fn smooth(wo: Vec3, weight: Spectrum, pdf: f32) -> Self {
+        BsdfSample { wo, weight, pdf, delta: false, eta: 1.0 }
+    }
+}
+
+/// Largest channel of a BSDF over a cone of directions: never below the truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lobe {
+    /// Bound of f cos. [1/sr]
+    pub with_cosine: f32,
+    /// Bound of f alone, for where a cosine has been cancelled. [1/sr]
+    pub without_cosine: f32,
+}
+
+impl Lobe {
+    /// Nothing is scattered into the cone.
+    pub const NONE: Lobe = Lobe { with_cosine: 0.0, without_cosine: 0.0 };
+}
+
+/// What each model answers; [`Bsdf`] has the contracts. `upper_bound` is only asked for `wi` above the surface.
+pub(crate) trait Model {
+    const SMOOTH: bool;
+    const DELTA: bool;
+    fn eval(&self, wi: Vec3, wo: Vec3) -> Spectrum;
+    fn pdf_sa(&self, wi: Vec3, wo: Vec3) -> f32;
+    fn sample(&self, wi: Vec3, mode: Mode, u_lobe: f32, u: Vec2) -> Option<BsdfSample>;
+    fn albedo(&self, wi: Vec3) -> Spectrum;
+    fn upper_bound(&self, wi: Vec3, cone: &Cone) -> Lobe;
+}
+
+/// How a point of a surface scatters: a model with its textures resolved.
+///
+/// All models but the dielectric are one-sided: they scatter for `wi.z > 0` only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bsdf {
+    /// Scatters nothing.
+    Black,
+    /// Lambert's model.
+    Diffuse(Diffuse),
+}
+
+impl From<Diffuse> for Bsdf {
+    fn from(model: Diffuse) -> Self {
+        Bsdf::Diffuse(model)
+    }
+}
+
+/// `answer` of whichever model it is, `black` if it is none.
+macro_rules! ask {
+    ($bsdf:expr, $black:expr, $model:ident => $answer:expr) => {
+        match $bsdf {
+            Bsdf::Black => $black,
+            Bsdf::Diffuse($model) => $answer,
+        }
+    };
+}
+
+impl Bsdf {
+    /// f(wi, wo) of the non-delta lobes, without a cosine; black on the wrong side. [1/sr]
+    pub fn eval(&self, wi: Vec3, wo: Vec3) -> Spectrum {
+        ask!(self, Spectrum::BLACK, m => m.eval(wi, wo))
+    }
+    /// Density with which [`Bsdf::sample`] draws `wo` from the non-delta lobes, the probability of choosing them included. [1/sr]
+    pub fn pdf_sa(&self, wi: Vec3, wo: Vec3) -> f32 {
+        ask!(self, 0.0, m => m.pdf_sa(wi, wo))
+    }
+    /// Draws where the path goes. `u_lobe` chooses the lobe and `u` the direction in it. `None` is a path that ends: its
+    /// share of the density is missing from the integral of [`Bsdf::pdf_sa`].
+    pub fn sample(&self, wi: Vec3, mode: Mode, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        ask!(self, None, m => m.sample(wi, mode, u_lobe, u))
+    }
+    /// There are lobes that [`Bsdf::eval`] sees.
+    pub fn has_smooth(&self) -> bool {
+        ask!(self, false, m => is_smooth(m))
+    }
+    /// There are delta lobes, that only [`Bsdf::sample`] finds.
+    pub fn has_delta(&self) -> bool {
+        ask!(self, false, m => is_delta(m))
+    }
+    /// Directional albedo of the non-delta lobes: the integral of f |cos| over `wo`. Closed form where there is one; the
+    /// models that have none state their accuracy.
+    pub fn albedo(&self, wi: Vec3) -> Spectrum {
+        ask!(self, Spectrum::BLACK, m => m.albedo(wi))
+    }
+    /// Bound of the non-delta lobes over all `wo` of the cone around `axis`. A `cos_half` that was computed must have been
+    /// rounded down: at exactly 1 the cone is one direction; at -1 it is the sphere.
+    pub fn upper_bound(&self, wi: Vec3, axis: Vec3, cos_half: f32) -> Lobe {
+        if !(wi.z > 0.0) {
+            return Lobe::NONE;
+        }
+        let Some(cone) = Cone::above_surface(axis, cos_half) else { return Lobe::NONE };
+        ask!(self, Lobe::NONE, m => m.upper_bound(wi, &cone))
+    }
+}
+
+fn is_smooth<M: Model>(_: &M) -> bool {
+    M::SMOOTH
+}
+fn is_delta<M: Model>(_: &M) -> bool {
+    M::DELTA
+}
