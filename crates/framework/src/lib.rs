@@ -1,1 +1,82 @@
-//! Under construction.
+//! The traits that every method plugs into, and what a method promises.
+//!
+//! A many-light method estimates the radiance that leaves a point x towards the eye as a sum over virtual lights,
+//!
+//! > L(x) = emission + direct light + sum_i  keep_i  x  f / pdf (x, light_i)  x  visibility   +   what the bounding took,
+//!
+//! and each part of that line is a trait of its own:
+//!
+//! | part | trait | says |
+//! |---|---|---|
+//! | where the lights come from | [`Generator`] | walks exactly N light paths and makes lights of them |
+//! | one light's transport | [`Kernel`] | connects one receiver (a vertex, or a span of a medium) to one light |
+//! | which lights are asked | [`LightSet`], built by a [`Plan`] | an algorithm that asks questions about one receiver |
+//! | the part that is kept | [`Bounding`], by pass from a [`BoundingPlan`] | keep + (1 - keep) = 1 by construction |
+//! | the part that was taken | [`Compensator`], [`FrameCompensator`] | an estimate of it at a point, or for a whole frame |
+//! | an image | [`Integrator`], and its object-safe face [`Method`] | one pass after another |
+//!
+//! A light set never sees a scene, a BSDF or a ray. It asks ([`Contribute`], [`Unshadowed`], [`BoundCluster`],
+//! [`ReachCluster`], [`Located`], [`Limited`]) and [`Gather`] answers, as far as its kernel can: lightcuts over a kernel that
+//! cannot bound is a compile error that names the missing answer.
+//!
+//! # Writing a light set
+//!
+//! A light set is two types: the plan (its knobs) and what the plan builds from each pass's lights. This one asks every second
+//! light, chosen by a coin for the whole set, and doubles it:
+//!
+//! ```
+//! use manylight_framework::{BuildError, Claim, Contribute, LightSet, Occlusion, Plan, Promise, VirtualLight};
+//! use manylight_math::Spectrum;
+//! use manylight_sampling::Stream;
+//!
+//! struct EverySecond;
+//! struct Halves<L>([Vec<L>; 2]);
+//!
+//! impl Promise for EverySecond {
+//!     fn claim(&self) -> Claim { Claim::UNBIASED } // E[2 x (half of the sum)] = the sum
+//! }
+//! impl<L: VirtualLight> Plan<Vec<L>> for EverySecond {
+//!     type Set = Halves<L>;
+//!     fn build(&self, lights: Vec<L>, _: &dyn Occlusion, _: &mut Stream) -> Result<Halves<L>, BuildError> {
+//!         let half = |k: usize| lights.iter().copied().skip(k).step_by(2).collect();
+//!         Ok(Halves([half(0), half(1)]))
+//!     }
+//! }
+//! impl<L: VirtualLight, Q: Contribute<L>> LightSet<Q> for Halves<L> {
+//!     fn radiance(&self, ask: &mut Q, s: &mut Stream) -> Spectrum {
+//!         let half = &self.0[s.next_below(2)];
+//!         half.iter().map(|light| ask.contribution(light, s)).sum::<Spectrum>() * 2.0
+//!     }
+//! }
+//! ```
+//!
+//! `examples/05_your_own_light_set.rs` of the facade crate renders with such a set.
+
+mod bounding;
+mod claim;
+mod film;
+mod gather;
+mod generator;
+mod integrator;
+mod kernel;
+mod light;
+mod light_set;
+mod probe;
+mod receiver;
+
+pub use bounding::{
+    Bounding, BoundingPlan, Compensator, Frame, FrameCompensator, GBuffer, NoCompensation, Outgoing, Pixel,
+};
+pub use claim::{Claim, KnobSet, PathClasses, Promise};
+pub use film::{Film, Image, Scheduler, Sequential, TILE};
+pub use gather::{BATCH, Gather};
+pub use generator::{Batch, GenerateError, Generator};
+pub use integrator::{Integrator, Method, PassError};
+pub use kernel::{Bounds, Connection, Kernel, Pair, Reach, Reaches};
+pub use light::{Blend, Clustered, VirtualLight};
+pub use light_set::{
+    BoundCluster, BuildError, Contribute, LightSet, Limited, Located, Notes, Occlusion, Picks, Plan, ReachCluster,
+    Unshadowed,
+};
+pub use probe::{Explained, NonFinite, Probe};
+pub use receiver::Receiver;

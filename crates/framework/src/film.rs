@@ -1,0 +1,132 @@
+//! The image of one pass, filled tile by tile.
+
+use crate::Probe;
+use manylight_math::{Ray, Spectrum, Vec2};
+use manylight_sampling::{Purpose, Stream};
+use manylight_scene::{Camera, FilterSampler};
+use std::sync::Mutex;
+
+/// Side of a tile. [pixel]
+pub const TILE: usize = 16;
+
+/// Linear RGB pixels, row by row from the upper left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// `width * height` of them.
+    pub pixels: Vec<Spectrum>,
+}
+
+impl Image {
+    /// All black.
+    pub fn new(width: usize, height: usize) -> Self {
+        Image { width, height, pixels: vec![Spectrum::BLACK; width * height] }
+    }
+}
+
+/// Runs tasks, in any order, on any threads. Nothing below the crate `render` spawns threads of its own.
+pub trait Scheduler: Sync {
+    /// Runs tasks 0..count; all have ended when it returns. Tasks are left out once cancelled.
+    fn run(&self, count: usize, task: &(dyn Fn(usize) + Sync));
+    /// Has the user asked to stop?
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// One task after the other, on this thread.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sequential;
+impl Scheduler for Sequential {
+    fn run(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+        (0..count).for_each(task);
+    }
+}
+
+/// The film of one pass: its image and its place in the sequence.
+pub struct Film<'s> {
+    /// What this pass has rendered.
+    pub image: Image,
+    /// The camera.
+    pub camera: Camera,
+    /// Seed of all passes.
+    pub seed: u64,
+    /// Which pass.
+    pub pass: u64,
+    /// Camera samples a pixel.
+    pub spp: u32,
+    filter: &'s FilterSampler,
+    scheduler: &'s dyn Scheduler,
+}
+
+impl<'s> Film<'s> {
+    /// A black film.
+    pub fn new(camera: Camera, filter: &'s FilterSampler, seed: u64, pass: u64, spp: u32, scheduler: &'s dyn Scheduler) -> Self {
+        let image = Image::new(camera.size.0 as usize, camera.size.1 as usize);
+        Film { image, camera, seed, pass, spp: spp.max(1), filter, scheduler }
+    }
+    /// Runs tasks, see `Scheduler`.
+    pub fn scheduler(&self) -> &'s dyn Scheduler {
+        self.scheduler
+    }
+    /// The stream of a camera sample.
+    pub fn stream(&self, pixel: usize, sample: u32) -> Stream {
+        Stream::new(self.seed, [self.pass, pixel as u64, sample as u64], Purpose::CAMERA)
+    }
+    /// Draws a camera ray of a pixel, and the weight that its filter gives it.
+    pub fn camera_ray(&self, pixel: usize, s: &mut Stream) -> (Ray, f32) {
+        let (x, y) = (pixel % self.image.width, pixel / self.image.width);
+        let (offset, weight) = self.filter.sample(s.next_2d());
+        (self.camera.ray(Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset), weight)
+    }
+    /// Sets each pixel to the mean of `spp` samples of `radiance`. A sample that is not valid counts as black and is reported.
+    pub fn fill(&mut self, probe: &mut Probe, radiance: &(dyn Fn(&Ray, &mut Probe, &mut Stream) -> Spectrum + Sync)) {
+        let (w, h) = (self.image.width, self.image.height);
+        let across = w.div_ceil(TILE);
+        let tiles = across * h.div_ceil(TILE);
+        let explain = probe.explain.is_some();
+        let results: Vec<Mutex<Option<(Vec<(usize, Spectrum)>, Probe)>>> = (0..tiles).map(|_| Mutex::new(None)).collect();
+        let this: &Self = self;
+        this.scheduler.run(tiles, &|tile| {
+            if this.scheduler.cancelled() {
+                return;
+            }
+            let mut probe = Probe { explain: explain.then(Vec::new), ..Probe::default() };
+            let (x0, y0) = (tile % across * TILE, tile / across * TILE);
+            let mut pixels = Vec::with_capacity(TILE * TILE);
+            for y in y0..(y0 + TILE).min(h) {
+                for x in x0..(x0 + TILE).min(w) {
+                    let pixel = y * w + x;
+                    pixels.push((pixel, this.pixel(pixel, &mut probe, radiance)));
+                }
+            }
+            if let Ok(mut slot) = results[tile].lock() {
+                *slot = Some((pixels, probe));
+            }
+        });
+        for result in results {
+            if let Ok(Some((pixels, tile))) = result.into_inner() {
+                pixels.into_iter().for_each(|(i, v)| self.image.pixels[i] = v);
+                probe.merge(&tile);
+            }
+        }
+    }
+    fn pixel(&self, pixel: usize, probe: &mut Probe, radiance: &dyn Fn(&Ray, &mut Probe, &mut Stream) -> Spectrum) -> Spectrum {
+        let mut sum = Spectrum::BLACK;
+        for sample in 0..self.spp {
+            let mut s = self.stream(pixel, sample);
+            let (ray, weight) = self.camera_ray(pixel, &mut s);
+            probe.camera_rays += 1;
+            let value = radiance(&ray, probe, &mut s);
+            if value.is_valid() {
+                sum += value * weight;
+            } else {
+                probe.drop_sample(self.pass, pixel, sample);
+            }
+        }
+        sum / self.spp as f32
+    }
+}

@@ -1,0 +1,108 @@
+//! A receiver with everything that is needed to answer about it.
+
+use crate::{
+    BoundCluster, Bounding, Bounds, Contribute, Explained, Kernel, Limited, Located, Notes, Probe, Reach, ReachCluster,
+    Reaches, Unshadowed, VirtualLight,
+};
+use manylight_math::{Spectrum, Vec3};
+use manylight_sampling::Stream;
+use manylight_scene::{Edge, Scene, Vertex};
+
+/// Lights that light sets hand to `contributions` at a time.
+pub const BATCH: usize = 64;
+
+/// Answers a light set's questions about one receiver: each question that its kernel can answer, and no other.
+pub struct Gather<'a, R, K, B: ?Sized> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Who asks.
+    pub receiver: &'a R,
+    /// How light gets from a light to the receiver.
+    pub kernel: &'a K,
+    /// Which part of it is kept.
+    pub bounding: &'a B,
+    /// Edges that a path may still take, the connection included.
+    pub edges_left: u32,
+    /// Lights of fewer edges than this are left out: what `min-depth` asks for.
+    pub edges_least: u32,
+    /// Counts.
+    pub probe: &'a mut Probe,
+}
+
+impl<R, K, B: Bounding + ?Sized> Gather<'_, R, K, B> {
+    /// Bounded, unshadowed; `None` if black, so that no ray is traced for nothing.
+    fn kept<L: VirtualLight>(&mut self, light: &L, s: &mut Stream) -> Option<(Spectrum, Edge, f32)>
+    where
+        K: Kernel<R, L>,
+    {
+        let edges = light.edges();
+        if edges >= self.edges_left || edges < self.edges_least {
+            return None;
+        }
+        self.probe.evaluations += 1;
+        let c = self.kernel.connect(self.scene, self.receiver, light, s)?;
+        let keep = self.bounding.keep(&c.pair);
+        Some((c.value * keep, c.edge, keep)).filter(|k| !k.0.is_black())
+    }
+    fn lit(&mut self, (value, edge, keep): (Spectrum, Edge, f32)) -> Spectrum {
+        self.probe.shadow_rays += 1;
+        let contribution = value * self.scene.transmittance(&edge);
+        if let Some(list) = &mut self.probe.explain {
+            list.push(Explained { edge, contribution, keep });
+        }
+        contribution
+    }
+}
+
+impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Contribute<L> for Gather<'_, R, K, B> {
+    fn contribution(&mut self, light: &L, s: &mut Stream) -> Spectrum {
+        self.kept(light, s).map_or(Spectrum::BLACK, |k| self.lit(k))
+    }
+    fn contributions(&mut self, lights: &[L], out: &mut [Spectrum], s: &mut Stream) {
+        // Connect a batch, then trace it: the rays, which share this end, are at hand together.
+        for (lights, out) in lights.chunks(BATCH).zip(out.chunks_mut(BATCH)) {
+            let mut kept = [const { None }; BATCH];
+            for (k, l) in kept.iter_mut().zip(lights) {
+                *k = self.kept(l, s);
+            }
+            for (k, o) in kept.iter().zip(out) {
+                *o = k.map_or(Spectrum::BLACK, |k| self.lit(k));
+            }
+        }
+    }
+}
+impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Unshadowed<L> for Gather<'_, R, K, B> {
+    fn unshadowed(&mut self, light: &L, s: &mut Stream) -> Spectrum {
+        self.kept(light, s).map_or(Spectrum::BLACK, |k| k.0)
+    }
+}
+impl<C, R, K: Bounds<R, C>, B: Bounding + ?Sized> BoundCluster<C> for Gather<'_, R, K, B> {
+    fn upper_bound(&self, cluster: &C) -> f32 {
+        self.kernel.upper_bound(self.receiver, cluster, self.bounding.cap())
+    }
+}
+impl<C, R, K: Reaches<R, C>, B: ?Sized> ReachCluster<C> for Gather<'_, R, K, B> {
+    fn reach(&self, cluster: &C) -> Reach {
+        self.kernel.reach(self.receiver, cluster)
+    }
+}
+impl Located for Vertex {
+    fn position(&self) -> Vec3 {
+        self.p
+    }
+}
+impl<R: Located, K, B: ?Sized> Located for Gather<'_, R, K, B> {
+    fn position(&self) -> Vec3 {
+        self.receiver.position()
+    }
+}
+impl<R, K, B: ?Sized> Limited for Gather<'_, R, K, B> {
+    fn edges_left(&self) -> u32 {
+        self.edges_left
+    }
+}
+impl<R, K, B: ?Sized> Notes for Gather<'_, R, K, B> {
+    fn note(&mut self, aov: &'static str, value: f32) {
+        self.probe.note(aov, value);
+    }
+}

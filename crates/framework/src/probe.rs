@@ -1,0 +1,124 @@
+//! What is counted and shown on the way.
+
+use manylight_math::Spectrum;
+use manylight_scene::Edge;
+
+/// Counters and notes of a tile, merged in the tiles' order: no global counters.
+#[derive(Clone, Debug, Default)]
+pub struct Probe {
+    /// Rays from the camera.
+    pub camera_rays: u64,
+    /// Rays of paths: those of light paths, and those of eye paths after their first.
+    pub path_rays: u64,
+    /// Rays that ask only whether an edge is clear.
+    pub shadow_rays: u64,
+    /// Light paths walked.
+    pub light_paths: u64,
+    /// Virtual lights made.
+    pub lights: u64,
+    /// Lights asked for their contribution.
+    pub evaluations: u64,
+    /// Samples that were NaN, infinite or negative: left out of the image (as black) and reported.
+    pub non_finite: NonFinite,
+    /// Sums and counts of named values.
+    aovs: Vec<(&'static str, f64, u64)>,
+    /// The lights of one sample, where they are asked for.
+    pub explain: Option<Vec<Explained>>,
+}
+
+/// Samples that were not fit for an image.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct NonFinite {
+    /// How many.
+    pub count: u64,
+    /// The first few: (pass, pixel index, sample), by which each can be replayed.
+    pub first: Vec<(u64, usize, u32)>,
+}
+
+impl NonFinite {
+    const KEPT: usize = 8;
+    fn merge(&mut self, o: &NonFinite) {
+        self.count += o.count;
+        let room = Self::KEPT - self.first.len().min(Self::KEPT);
+        self.first.extend(o.first.iter().take(room));
+    }
+}
+
+/// One line of `explain`.
+#[derive(Clone, Copy, Debug)]
+pub struct Explained {
+    /// Ends on the light.
+    pub edge: Edge,
+    /// What it gave. [W/(m^2 sr)]
+    pub contribution: Spectrum,
+    /// The part that the bounding kept.
+    pub keep: f32,
+}
+
+impl Probe {
+    /// Counts a sample that is not fit for an image.
+    pub fn drop_sample(&mut self, pass: u64, pixel: usize, sample: u32) {
+        self.non_finite.merge(&NonFinite { count: 1, first: vec![(pass, pixel, sample)] });
+    }
+    /// Notes a named value.
+    pub fn note(&mut self, aov: &'static str, value: f32) {
+        self.add(aov, value as f64, 1);
+    }
+    /// Mean of the values noted under a name.
+    pub fn mean(&self, aov: &str) -> Option<f64> {
+        self.aovs.iter().find(|a| a.0 == aov).map(|a| a.1 / a.2 as f64)
+    }
+    /// Names under which values were noted.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> + '_ {
+        self.aovs.iter().map(|a| a.0)
+    }
+    /// All rays.
+    pub fn rays(&self) -> u64 {
+        self.camera_rays + self.path_rays + self.shadow_rays
+    }
+    /// Adds what another one counted; in the order of the tiles, so that the sums do not depend on threads.
+    pub fn merge(&mut self, o: &Probe) {
+        self.camera_rays += o.camera_rays;
+        self.path_rays += o.path_rays;
+        self.shadow_rays += o.shadow_rays;
+        self.light_paths += o.light_paths;
+        self.lights += o.lights;
+        self.evaluations += o.evaluations;
+        self.non_finite.merge(&o.non_finite);
+        for &(name, sum, count) in &o.aovs {
+            self.add(name, sum, count);
+        }
+        if let Some(list) = &o.explain {
+            self.explain.get_or_insert_default().extend(list);
+        }
+    }
+    fn add(&mut self, name: &'static str, sum: f64, count: u64) {
+        match self.aovs.iter_mut().find(|a| a.0 == name) {
+            Some(a) => {
+                a.1 += sum;
+                a.2 += count;
+            }
+            None => self.aovs.push((name, sum, count)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn merging_adds_counts_and_keeps_the_first_bad_samples_only() {
+        let (mut a, mut b) = (Probe::default(), Probe::default());
+        for i in 0..6 {
+            a.drop_sample(0, i, 0);
+            b.drop_sample(1, i, 0);
+        }
+        a.note("cut", 2.0);
+        b.note("cut", 4.0);
+        b.shadow_rays = 5;
+        a.merge(&b);
+        assert_eq!((a.non_finite.count, a.non_finite.first.len(), a.shadow_rays), (12, 8, 5));
+        assert_eq!((a.mean("cut"), a.mean("bound")), (Some(3.0), None));
+    }
+}

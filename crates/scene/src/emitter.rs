@@ -1,0 +1,252 @@
+//! Where light comes from, and drawing from it.
+
+use crate::vertex::{EmitterPoint, Scatter, Vertex};
+use crate::{Environment, Source, Texture};
+use manylight_geometry::{Geometry, ShapeGeometry, offset_from};
+use manylight_math::{Frame, INV_4PI, INV_PI, Ray, Spectrum, Vec3};
+use manylight_sampling::{AliasTable, Stream, warp};
+use std::f32::consts::PI;
+
+/// A source of light that is not a shape.
+#[derive(Clone, Debug)]
+pub enum Emitter {
+    /// A point that shines the same in all directions.
+    Point {
+        /// [m]
+        position: Vec3,
+        /// [W/sr]
+        intensity: Spectrum,
+    },
+    /// Parallel light.
+    Directional {
+        /// Unit, the way the light travels.
+        direction: Vec3,
+        /// On a surface that faces it. [W/m^2]
+        irradiance: Spectrum,
+    },
+    /// The same radiance from everywhere far away.
+    Constant {
+        /// [W/(m^2 sr)]
+        radiance: Spectrum,
+    },
+    /// Radiance from far away, by a map.
+    Environment(Environment),
+}
+
+/// One source, prepared for drawing.
+#[derive(Clone, Debug)]
+enum Sampler {
+    /// A shape; `triangles` picks one by area, for meshes.
+    Area { shape: u32, radiance: Source, area: f64, triangles: Option<AliasTable> },
+    Point { position: Vec3, intensity: Spectrum },
+    Directional { direction: Vec3, irradiance: Spectrum },
+    Constant { radiance: Spectrum },
+    Environment(Environment),
+}
+
+/// A point (or direction) drawn from an emitter.
+#[derive(Clone, Copy, Debug)]
+pub struct EmitterSample {
+    /// The end of a path: its lobe is normalised, so that `flux` times it is what it emits.
+    pub vertex: Vertex,
+    /// Emitted by all of the light that the sample stands for: radiance x pi / pdf for areas, intensity x 4 pi / pmf for points [W];
+    /// irradiance / pdf for light from infinity [W/m^2].
+    pub flux: Spectrum,
+    /// Density of the point per area [1/m^2], or of the direction per solid angle [1/sr] for light from infinity, times the
+    /// probability of the emitter. `None` for points and parallel light: only drawing the emitter finds them.
+    pub density: Option<f32>,
+    /// Index of the emitter.
+    pub emitter: u32,
+}
+
+/// A ray from an emitter.
+#[derive(Clone, Copy, Debug)]
+pub struct Emission {
+    /// Where the ray started; for light from infinity its position is of no meaning.
+    pub start: EmitterSample,
+    /// Already beyond the emitter's own surface.
+    pub ray: Ray,
+    /// The flux that the ray carries: emitted / density. [W]
+    pub flux: Spectrum,
+}
+
+/// All emitters of a scene, picked by power.
+pub struct Emitters {
+    samplers: Vec<Sampler>,
+    pick: Option<AliasTable>,
+    /// Centre and radius of a sphere around the scene, for light from infinity. [m]
+    world: (Vec3, f32),
+    environment: Option<u32>,
+    powers: Vec<f64>,
+}
+
+impl Emitters {
+    /// Shapes that emit first, in their order, then the others. Also the emitter of each shape (`u32::MAX`: none).
+    pub(crate) fn new(radiances: &[Option<Source>], others: Vec<Emitter>, geometry: &Geometry, textures: &[Texture]) -> (Self, Vec<u32>) {
+        let bounds = geometry.bounds();
+        let world = if bounds.is_empty() { (Vec3::ZERO, 1.0) } else { (bounds.centre(), bounds.radius().max(f32::MIN_POSITIVE) * 1.0001) };
+        let disc = std::f64::consts::PI * (world.1 as f64).powi(2);
+        let mut of_shape = vec![u32::MAX; radiances.len()];
+        let mut samplers = Vec::new();
+        let mut powers = Vec::new();
+        for (i, radiance) in radiances.iter().enumerate() {
+            let Some(radiance) = *radiance else { continue };
+            let geometry = &geometry.shapes()[i];
+            let area = geometry.area();
+            let triangles = match geometry {
+                ShapeGeometry::Mesh(m) => AliasTable::new((0..m.triangles.len()).map(|t| m.triangle_area(t))),
+                _ => None,
+            };
+            of_shape[i] = samplers.len() as u32;
+            powers.push(radiance.mean(textures).luminance() as f64 * std::f64::consts::PI * area);
+            samplers.push(Sampler::Area { shape: i as u32, radiance, area, triangles });
+        }
+        let mut environment = None;
+        for other in others {
+            let at = samplers.len() as u32;
+            let (sampler, power) = match other {
+                Emitter::Point { position, intensity } => {
+                    (Sampler::Point { position, intensity }, intensity.luminance() as f64 * 4.0 * std::f64::consts::PI)
+                }
+                Emitter::Directional { direction, irradiance } => {
+                    (Sampler::Directional { direction, irradiance }, irradiance.luminance() as f64 * disc)
+                }
+                Emitter::Constant { radiance } => {
+                    environment = Some(at);
+                    let power = radiance.luminance() as f64 * 4.0 * std::f64::consts::PI * disc;
+                    (Sampler::Constant { radiance }, power)
+                }
+                Emitter::Environment(map) => {
+                    environment = Some(at);
+                    let power = map.mean().luminance() as f64 * 4.0 * std::f64::consts::PI * disc;
+                    (Sampler::Environment(map), power)
+                }
+            };
+            samplers.push(sampler);
+            powers.push(power);
+        }
+        let pick = AliasTable::new(powers.iter().copied());
+        (Emitters { samplers, pick, world, environment, powers }, of_shape)
+    }
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.samplers.len()
+    }
+    /// Is there none?
+    pub fn is_empty(&self) -> bool {
+        self.samplers.is_empty()
+    }
+    /// Does any of them shine?
+    pub fn shine(&self) -> bool {
+        self.pick.is_some()
+    }
+    /// Luminance of what all emit together (for light from infinity: onto the sphere around the scene). [W]
+    pub fn power(&self) -> f64 {
+        self.powers.iter().sum()
+    }
+    /// Probability of picking an emitter: by the luminance of its power.
+    pub fn pmf(&self, emitter: u32) -> f32 {
+        self.pick.as_ref().map_or(0.0, |p| p.pmf(emitter as usize) as f32)
+    }
+    /// Density with which `sample` draws a point of an emitting shape, per area. [1/m^2]
+    pub fn pdf_area(&self, emitter: u32) -> f32 {
+        match &self.samplers[emitter as usize] {
+            Sampler::Area { area, .. } => (self.pmf(emitter) as f64 / area) as f32,
+            _ => 0.0,
+        }
+    }
+    /// Radiance from infinity. [W/(m^2 sr)]
+    pub fn environment_radiance(&self, w: Vec3) -> Spectrum {
+        match self.environment.map(|i| &self.samplers[i as usize]) {
+            Some(Sampler::Constant { radiance }) => *radiance,
+            Some(Sampler::Environment(map)) => map.radiance(w),
+            _ => Spectrum::BLACK,
+        }
+    }
+    /// Is there light from infinity that a ray can meet?
+    pub fn has_environment(&self) -> bool {
+        self.environment.is_some()
+    }
+    /// Density with which `sample` draws a direction to infinity. [1/sr]
+    pub fn environment_pdf_sa(&self, w: Vec3) -> f32 {
+        let Some(i) = self.environment else { return 0.0 };
+        let pdf = match &self.samplers[i as usize] {
+            Sampler::Environment(map) => map.pdf_sa(w),
+            _ => INV_4PI,
+        };
+        self.pmf(i) * pdf
+    }
+
+    /// Draws a point of an emitter, or a direction to infinity. `None` if nothing shines (there).
+    pub fn sample(&self, geometry: &Geometry, textures: &[Texture], s: &mut Stream) -> Option<EmitterSample> {
+        let i = self.pick.as_ref()?.sample(s.next_f64());
+        let pmf = self.pmf(i as u32);
+        let made = |point: EmitterPoint, p: Vec3, flux: Spectrum, density: Option<f32>| {
+            let vertex = Vertex { p, scatter: Scatter::Emitter(point) };
+            Some(EmitterSample { vertex, flux, density, emitter: i as u32 })
+        };
+        match &self.samplers[i] {
+            Sampler::Area { shape, radiance, area, triangles } => {
+                let u = s.next_2d();
+                let x = match (triangles, &geometry.shapes()[*shape as usize]) {
+                    (Some(table), _) => geometry.surface_on_triangle(*shape, table.sample(s.next_f64()) as u32, warp::triangle(u)),
+                    (None, ShapeGeometry::Sphere(ball)) => geometry.surface_on_round(*shape, ball.centre + warp::sphere(u)),
+                    (None, ShapeGeometry::Disk(disc)) => {
+                        let d = warp::disc(u) * disc.radius;
+                        geometry.surface_on_round(*shape, disc.centre + disc.frame.s * d.x + disc.frame.t * d.y)
+                    }
+                    (None, ShapeGeometry::Mesh(_)) => return None, // without area
+                };
+                let density = pmf / *area as f32;
+                let point = EmitterPoint::Lambert { n: x.ng, error: x.error };
+                made(point, x.p, radiance.at(textures, x.uv) * (PI / density), Some(density))
+            }
+            Sampler::Point { position, intensity } => made(EmitterPoint::Isotropic, *position, *intensity * (4.0 * PI / pmf), None),
+            Sampler::Directional { direction, irradiance } => {
+                made(EmitterPoint::Distant { towards: -*direction }, self.world.0, *irradiance * (1.0 / pmf), None)
+            }
+            Sampler::Constant { radiance } => {
+                let towards = warp::sphere(s.next_2d());
+                let density = pmf * INV_4PI;
+                made(EmitterPoint::Distant { towards }, self.world.0, *radiance * (1.0 / density), Some(density))
+            }
+            Sampler::Environment(map) => {
+                let (towards, pdf) = map.sample([s.next_f64(), s.next_f64()])?;
+                let density = pmf * pdf;
+                made(EmitterPoint::Distant { towards }, self.world.0, map.radiance(towards) * (1.0 / density), Some(density))
+            }
+        }
+    }
+    /// Draws a ray of light: a point as `sample`, and a direction by its lobe (a point of the disc that the scene fits in, for
+    /// light from infinity). `None` if nothing shines (there).
+    pub fn sample_ray(&self, geometry: &Geometry, textures: &[Texture], s: &mut Stream) -> Option<Emission> {
+        let start = self.sample(geometry, textures, s)?;
+        let Scatter::Emitter(point) = start.vertex.scatter else { return None };
+        let (ray, flux) = match point {
+            EmitterPoint::Lambert { n, error } => {
+                let dir = Frame::around(n).to_world(warp::cosine_hemisphere(s.next_2d()));
+                (Ray::new(offset_from(start.vertex.p, n, error, dir), dir), start.flux)
+            }
+            EmitterPoint::Isotropic => (Ray::new(start.vertex.p, warp::sphere(s.next_2d())), start.flux),
+            EmitterPoint::Distant { towards } => {
+                let (centre, radius) = self.world;
+                let (frame, d) = (Frame::around(towards), warp::disc(s.next_2d()) * radius);
+                let origin = centre + (towards * radius + frame.s * d.x + frame.t * d.y);
+                (Ray::new(origin, -towards), start.flux * (PI * radius * radius))
+            }
+        };
+        Some(Emission { start, ray, flux })
+    }
+}
+
+impl EmitterPoint {
+    /// Normalised emission: 1/pi, 1/(4 pi), or 1 for light from infinity; without a cosine. [1/sr]
+    pub(crate) fn lobe(&self) -> f32 {
+        match self {
+            EmitterPoint::Lambert { .. } => INV_PI,
+            EmitterPoint::Isotropic => INV_4PI,
+            EmitterPoint::Distant { .. } => 1.0,
+        }
+    }
+}
+

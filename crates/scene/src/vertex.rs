@@ -1,0 +1,407 @@
+//! The two kinds of ends: a vertex (a point that scatters or emits) and a span (a straight run through a medium).
+
+use manylight_bsdf::{Bsdf, Lobe, Mode};
+use manylight_geometry::{Surface, offset_from};
+use manylight_math::{Aabb, Frame, INV_4PI, Ray, Spectrum, Vec2, Vec3};
+
+/// One end of an edge: a point, its surface if it lies on one, and the medium around it.
+#[derive(Clone, Copy, Debug)]
+pub struct End {
+    /// [m]
+    pub p: Vec3,
+    /// Geometric normal and error bound [m] of the surface that it lies on.
+    pub surface: Option<(Vec3, f32)>,
+    /// Index of the medium around it; none is vacuum.
+    pub medium: Option<u32>,
+}
+
+/// What must be clear for a connection to count.
+#[derive(Clone, Copy, Debug)]
+pub enum Edge {
+    /// The segment between two points.
+    Between(End, End),
+    /// From a point to infinity, along a unit direction.
+    ToInfinity(End, Vec3),
+}
+
+/// A point where light scatters or starts. Receivers and virtual point lights are both vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex {
+    /// [m]
+    pub p: Vec3,
+    /// What it does with light.
+    pub scatter: Scatter,
+}
+
+/// What a vertex does with light.
+#[derive(Clone, Copy, Debug)]
+pub enum Scatter {
+    /// It lies on a surface.
+    Surface(SurfacePoint),
+    /// It lies in a medium.
+    Medium(MediumPoint),
+    /// Light starts there.
+    Emitter(EmitterPoint),
+}
+
+/// A point of a surface, seen from where the path came from.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// Geometric normal. Unit, on the side of the shading normal as the mesh has it.
+    pub ng: Vec3,
+    /// Shading frame of `bsdf` (turned over on the back of a two-sided material).
+    pub frame: Frame,
+    /// Unit, to where the path came from.
+    pub wi: Vec3,
+    /// With its textures resolved.
+    pub bsdf: Bsdf,
+    /// Is the path from the eye or from a light?
+    pub mode: Mode,
+    /// Bound on the rounding error of the position. [m]
+    pub error: f32,
+    /// Radiance that leaves along `wi`. [W/(m^2 sr)]
+    pub emitted: Spectrum,
+    /// Index of the emitter that the surface is, or `u32::MAX`.
+    pub emitter: u32,
+}
+
+/// A point of a medium.
+#[derive(Clone, Copy, Debug)]
+pub struct MediumPoint {
+    /// Unit, to where the path came from.
+    pub wi: Vec3,
+    /// Multiplies the phase function: sigma_s [1/m] for a receiver and for a point on a virtual ray light; one for a virtual
+    /// point light, whose flux is scattered power and has its sigma_s inside.
+    pub scattering: Spectrum,
+    /// Mean cosine of Henyey and Greenstein's phase function, in (-1, 1).
+    pub g: f32,
+    /// Index of the medium.
+    pub medium: u32,
+}
+
+/// A point of an emitter. Its lobe is normalised: times the flux it is what is emitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EmitterPoint {
+    /// The same radiance to all directions of a side.
+    Lambert {
+        /// Geometric normal. Unit, on the side that shines.
+        n: Vec3,
+        /// Bound on the rounding error of the position. [m]
+        error: f32,
+    },
+    /// A point that shines the same to all directions.
+    Isotropic,
+    /// Infinitely far away; the vertex's position is of no meaning.
+    Distant {
+        /// Unit, to where the light comes from.
+        towards: Vec3,
+    },
+}
+
+/// A direction drawn at a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct VertexSample {
+    /// Unit, away from the vertex.
+    pub dir: Vec3,
+    /// eval / pdf.
+    pub weight: Spectrum,
+    /// Density per solid angle [1/sr], or the probability of a delta lobe.
+    pub pdf: f32,
+    /// Only drawing finds this direction.
+    pub delta: bool,
+}
+
+impl SurfacePoint {
+    /// A surface with its BSDF, seen along `wi`. `frame` and `bsdf` as of the side that is seen.
+    pub fn new(x: &Surface, frame: Frame, wi: Vec3, bsdf: Bsdf, mode: Mode) -> Self {
+        let emitted = Spectrum::BLACK;
+        SurfacePoint { ng: x.ng, frame, wi, bsdf, mode, error: x.error, emitted, emitter: u32::MAX }
+    }
+    /// What makes shading normals conserve what geometric normals say: |ns . wi| / |ng . wi| for light paths, one for eye
+    /// paths (the part of Veach 1997, Eq. 5.19 that belongs to the arrival).
+    fn arrival(&self) -> f32 {
+        match self.mode {
+            Mode::Radiance => 1.0,
+            Mode::Importance => {
+                let g = self.ng.dot(self.wi).abs();
+                if g > 0.0 { self.frame.n.dot(self.wi).abs() / g } else { 0.0 }
+            }
+        }
+    }
+    /// The cosine that belongs to the departure: of the shading normal for eye paths, of the geometric one for light paths.
+    fn departure(&self, w: Vec3) -> f32 {
+        match self.mode {
+            Mode::Radiance => self.frame.n.dot(w).abs(),
+            Mode::Importance => self.ng.dot(w).abs(),
+        }
+    }
+    /// Do both normals agree on which side of the surface `w` leaves to? Else light would leak through.
+    fn sides_agree(&self, w: Vec3) -> bool {
+        let reflected = |n: Vec3| n.dot(w) * n.dot(self.wi) > 0.0;
+        reflected(self.frame.n) == reflected(self.ng)
+    }
+}
+
+impl MediumPoint {
+    /// Henyey and Greenstein 1941, for the cosine between the light's travel before and after. [1/sr]
+    fn phase(&self, w: Vec3) -> f32 {
+        let g = self.g;
+        let d = 1.0 + g * g + 2.0 * g * self.wi.dot(w); // wi points back, so a straight course is wi . w = -1
+        INV_4PI * (1.0 - g * g) / (d * d.sqrt())
+    }
+    /// Largest value of the phase function. [1/sr]
+    fn largest(&self) -> f32 {
+        let g = self.g.abs();
+        INV_4PI * (1.0 + g) / ((1.0 - g) * (1.0 - g))
+    }
+    fn sample(&self, u: Vec2) -> Vec3 {
+        let g = self.g;
+        // The textbook inverse divides by 2g and cancels near g = 0; the same polynomial divided out does not.
+        let (x, g2) = (2.0 * u.x - 1.0, g * g);
+        let q = 1.0 + g * x;
+        let cos = (x * (1.0 + g2) + 0.5 * g * (x * x * (1.0 + g2) + 3.0 - g2)) / (q * q);
+        let cos = cos.clamp(-1.0, 1.0);
+        let sin = (1.0 - cos * cos).max(0.0).sqrt();
+        let (s, c) = (std::f32::consts::TAU * u.y).sin_cos();
+        Frame::around(-self.wi).to_world(Vec3::new(sin * c, sin * s, cos))
+    }
+}
+
+impl Vertex {
+    /// BSDF, phase function or emission profile towards `w`, without this vertex's cosine. [1/sr] or [1/(m sr)]
+    pub fn lobe_at(&self, w: Vec3) -> Spectrum {
+        match &self.scatter {
+            Scatter::Surface(x) => {
+                if !x.sides_agree(w) {
+                    return Spectrum::BLACK;
+                }
+                x.bsdf.eval(x.frame.to_local(x.wi), x.frame.to_local(w)) * x.arrival()
+            }
+            Scatter::Medium(x) => x.scattering * x.phase(w),
+            Scatter::Emitter(EmitterPoint::Lambert { n, .. }) if !(n.dot(w) > 0.0) => Spectrum::BLACK,
+            Scatter::Emitter(point) => Spectrum::gray(point.lobe()),
+        }
+    }
+    /// This vertex's part of G: a cosine on a surface, one elsewhere.
+    pub fn cosine(&self, w: Vec3) -> f32 {
+        match &self.scatter {
+            Scatter::Surface(x) => x.departure(w),
+            Scatter::Emitter(EmitterPoint::Lambert { n, .. }) => n.dot(w).max(0.0),
+            _ => 1.0,
+        }
+    }
+    /// What leaves towards `w` per unit of what arrives: `lobe_at` times `cosine`.
+    pub fn eval(&self, w: Vec3) -> Spectrum {
+        self.lobe_at(w) * self.cosine(w)
+    }
+    /// Draws where a path goes on. `None`: it ends. Not for emitters (see `Emitters::sample_ray`).
+    pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<VertexSample> {
+        match &self.scatter {
+            Scatter::Surface(x) => {
+                let s = x.bsdf.sample(x.frame.to_local(x.wi), x.mode, u_lobe, u)?;
+                let dir = x.frame.to_world(s.wo).normalize();
+                if !x.sides_agree(dir) {
+                    return None;
+                }
+                let cosine = x.frame.n.dot(dir).abs();
+                let correction = if cosine > 0.0 { x.arrival() * x.departure(dir) / cosine } else { 0.0 };
+                Some(VertexSample { dir, weight: s.weight * correction, pdf: s.pdf, delta: s.delta })
+            }
+            Scatter::Medium(x) => {
+                let dir = x.sample(u);
+                Some(VertexSample { dir, weight: x.scattering, pdf: x.phase(dir), delta: false })
+            }
+            Scatter::Emitter(_) => None,
+        }
+    }
+    /// Density of `sample` among the directions that are not of a delta lobe. [1/sr]
+    pub fn pdf_sa(&self, w: Vec3) -> f32 {
+        match &self.scatter {
+            Scatter::Surface(x) if x.sides_agree(w) => x.bsdf.pdf_sa(x.frame.to_local(x.wi), x.frame.to_local(w)),
+            Scatter::Medium(x) => x.phase(w),
+            _ => 0.0,
+        }
+    }
+    /// Can anything but a delta lobe be evaluated here? If not, no light can be connected to it.
+    pub fn connects(&self) -> bool {
+        match &self.scatter {
+            Scatter::Surface(x) => x.bsdf.has_smooth(),
+            _ => true,
+        }
+    }
+    /// Radiance that leaves back along the path. [W/(m^2 sr)]
+    pub fn emitted(&self) -> Spectrum {
+        match &self.scatter {
+            Scatter::Surface(x) => x.emitted,
+            _ => Spectrum::BLACK,
+        }
+    }
+    /// The emitter that this surface is.
+    pub fn emitter(&self) -> Option<u32> {
+        match &self.scatter {
+            Scatter::Surface(x) if x.emitter != u32::MAX => Some(x.emitter),
+            _ => None,
+        }
+    }
+    /// Geometric normal, on a surface.
+    pub fn normal(&self) -> Option<Vec3> {
+        match &self.scatter {
+            Scatter::Surface(x) => Some(x.ng),
+            Scatter::Emitter(EmitterPoint::Lambert { n, .. }) => Some(*n),
+            _ => None,
+        }
+    }
+    /// This vertex as the end of an edge.
+    pub fn end(&self) -> End {
+        let (surface, medium) = match &self.scatter {
+            Scatter::Surface(x) => (Some((x.ng, x.error)), None),
+            Scatter::Emitter(EmitterPoint::Lambert { n, error }) => (Some((*n, *error)), None),
+            Scatter::Medium(x) => (None, Some(x.medium)),
+            Scatter::Emitter(_) => (None, None),
+        };
+        End { p: self.p, surface, medium }
+    }
+    /// A ray that leaves the vertex, from beyond its own surface.
+    pub fn leave(&self, dir: Vec3) -> Ray {
+        let end = self.end();
+        Ray::new(end.surface.map_or(end.p, |(n, error)| offset_from(end.p, n, error, dir)), dir)
+    }
+    /// Largest channel of the material over every direction towards a box: never below the truth. [1/sr] or [1/(m sr)]
+    pub fn bound(&self, towards: &Aabb) -> Lobe {
+        match &self.scatter {
+            Scatter::Surface(x) => {
+                let (axis, cos_half) = cone_towards(self.p, towards);
+                let local = |w: Vec3| x.frame.to_local(w);
+                let lobe = x.bsdf.upper_bound(local(x.wi), local(axis), cos_half);
+                let a = x.arrival();
+                match x.mode {
+                    Mode::Radiance => lobe,
+                    // The departure's cosine is the geometric one, of which the BSDF's bound knows nothing.
+                    Mode::Importance => Lobe { with_cosine: lobe.without_cosine * a, without_cosine: lobe.without_cosine * a },
+                }
+            }
+            Scatter::Medium(x) => {
+                let f = x.scattering.largest() * x.largest();
+                Lobe { with_cosine: f, without_cosine: f }
+            }
+            Scatter::Emitter(point) => Lobe { with_cosine: point.lobe(), without_cosine: point.lobe() },
+        }
+    }
+}
+
+/// A cone (unit axis, cosine of its half angle, rounded down) of all directions from `p` to points of a box.
+fn cone_towards(p: Vec3, b: &Aabb) -> (Vec3, f32) {
+    let d = b.centre() - p;
+    let (distance, radius) = (d.length(), b.radius());
+    if !(distance > radius * 1.00001) {
+        return (Vec3::Z, -1.0);
+    }
+    let sin = radius / distance;
+    (d / distance, (1.0 - sin * sin).max(0.0).sqrt() - 1e-5)
+}
+
+/// A straight run through a medium: a camera segment, or a virtual ray light.
+#[derive(Clone, Copy, Debug)]
+pub struct Span {
+    /// With a finite `t_max`. [m]
+    pub ray: Ray,
+    /// Index of the medium that it runs through.
+    pub medium: u32,
+    /// Largest scattering coefficient along it. [1/m]
+    pub scattering_max: Spectrum,
+    /// Mean cosine of the phase function.
+    pub g: f32,
+}
+
+impl Span {
+    /// The smallest box around it.
+    pub fn extent(&self) -> Aabb {
+        Aabb::around([self.ray.origin, self.ray.at(self.ray.t_max)])
+    }
+    /// The vertex at distance `t`, where the medium scatters `scattering` [1/m]; it carries that coefficient.
+    pub fn at(&self, t: f32, scattering: Spectrum) -> Vertex {
+        let point = MediumPoint { wi: -self.ray.dir, scattering, g: self.g, medium: self.medium };
+        Vertex { p: self.ray.at(t), scatter: Scatter::Medium(point) }
+    }
+    /// Largest channel of scattering coefficient x phase function, integrated over its length. [1/sr]
+    pub fn bound(&self) -> Lobe {
+        let point = MediumPoint { wi: -self.ray.dir, scattering: self.scattering_max, g: self.g, medium: self.medium };
+        let f = point.scattering.largest() * point.largest() * self.ray.t_max;
+        Lobe { with_cosine: f, without_cosine: f }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use manylight_bsdf::Diffuse;
+    use manylight_sampling::{Purpose, Stream, warp};
+
+    fn tilted(mode: Mode, wi: Vec3) -> Vertex {
+        let ns = Vec3::new(0.3, -0.2, 1.0).normalize();
+        let surface = Surface { p: Vec3::ZERO, error: 1e-6, ng: Vec3::Z, ns, uv: Vec2::ZERO, dpdu: Vec3::X };
+        let bsdf = Diffuse::new(Spectrum::rgb(0.8, 0.5, 0.1)).into();
+        Vertex { p: Vec3::ZERO, scatter: Scatter::Surface(SurfacePoint::new(&surface, Frame::around(ns), wi, bsdf, mode)) }
+    }
+    #[test]
+    fn a_light_path_and_an_eye_path_give_the_same_product_over_tilted_shading_normals() {
+        // Through one vertex, seen from both ends: f |ns . to_light| |ng . to_eye| is the product either way.
+        let (eye, light) = (Vec3::new(0.5, 0.1, 0.8).normalize(), Vec3::new(-0.3, 0.6, 0.7).normalize());
+        let from_eye = tilted(Mode::Radiance, eye).eval(light) * Vec3::Z.dot(eye);
+        let from_light = tilted(Mode::Importance, light).eval(eye) * Vec3::Z.dot(light);
+        assert!((from_eye - from_light).0.length() < 1e-6, "{from_eye:?} {from_light:?}");
+    }
+    #[test]
+    fn sampled_weights_are_eval_over_pdf_in_both_modes() {
+        let mut s = Stream::new(1, [0; 3], Purpose::TEST);
+        for mode in [Mode::Radiance, Mode::Importance] {
+            let v = tilted(mode, Vec3::new(0.2, 0.3, 0.9).normalize());
+            for _ in 0..1000 {
+                let Some(x) = v.sample(s.next_f32(), s.next_2d()) else { continue };
+                let expected = v.eval(x.dir) / v.pdf_sa(x.dir);
+                assert!((x.weight - expected).0.length() < 1e-3 * expected.largest(), "{mode:?} {:?} {expected:?}", x.weight);
+            }
+        }
+    }
+    #[test]
+    fn nothing_leaks_where_the_two_normals_disagree() {
+        let wi = Vec3::new(0.0, 0.0, 1.0);
+        let v = tilted(Mode::Radiance, wi);
+        let between = Vec3::new(1.0, 0.0, -0.05).normalize(); // above the shading plane, below the real one
+        assert!(v.eval(between).is_black() && v.pdf_sa(between) == 0.0);
+    }
+    #[test]
+    fn the_phase_function_is_normalised_sampled_exactly_and_stable_for_any_g() {
+        let wi = Vec3::new(0.0, 0.6, 0.8);
+        for g in [-0.95f32, -0.5, -1e-4, 0.0, 1e-7, 1e-4, 0.3, 0.9, 0.95] {
+            let point = MediumPoint { wi, scattering: Spectrum::ONE, g, medium: 0 };
+            let v = Vertex { p: Vec3::ZERO, scatter: Scatter::Medium(point) };
+            let mut s = Stream::new(9, [0; 3], Purpose::TEST);
+            let n = 200_000;
+            let (mut cos, mut mass) = (0.0f64, 0.0f64);
+            for i in 0..n {
+                let w = v.sample(0.0, s.next_2d()).unwrap().dir;
+                cos += -wi.dot(w) as f64;
+                // By stratified cosines: the mass of the density.
+                let c = 2.0 * (i as f32 + s.next_f32()) / n as f32 - 1.0;
+                mass += v.pdf_sa(Frame::around(-wi).to_world(Vec3::new((1.0 - c * c).max(0.0).sqrt(), 0.0, c))) as f64;
+                assert!(v.pdf_sa(w) <= v.bound(&Aabb::point(w)).with_cosine * 1.001);
+            }
+            // The mean cosine is g by definition; its standard error is below 0.58 / sqrt(n) = 0.0013.
+            assert!((cos / n as f64 - g as f64).abs() < 0.005, "g = {g}: mean cosine {}", cos / n as f64);
+            let mass = mass / n as f64 / warp::SPHERE_PDF as f64;
+            assert!((mass - 1.0).abs() < 0.01, "g = {g}: mass {mass}");
+        }
+    }
+    #[test]
+    fn the_cone_holds_every_direction_to_the_box() {
+        let mut s = Stream::new(2, [0; 3], Purpose::TEST);
+        for _ in 0..20_000 {
+            let mut point = || Vec3::new(s.next_f32(), s.next_f32(), s.next_f32()) * 2.0 - 1.0;
+            let (p, b) = (point() * 3.0, Aabb::around([point(), point()]));
+            let inside = b.lo + (b.hi - b.lo) * (point() * 0.5 + 0.5);
+            let (axis, cos_half) = cone_towards(p, &b);
+            assert!(axis.dot((inside - p).normalize_or(axis)) >= cos_half);
+        }
+    }
+}
