@@ -16,8 +16,15 @@
 //! ```
 
 mod bsdf;
+mod conductor;
 mod cone;
+mod dielectric;
 mod diffuse;
+pub mod fresnel;
+mod plastic;
 
 pub use bsdf::{Bsdf, BsdfSample, Lobe, Mode};
+pub use conductor::Conductor;
+pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use plastic::Plastic;
