@@ -1,7 +1,7 @@
 //! The interface: one value that is any of the models.
 
 use crate::cone::Cone;
-use crate::{Conductor, Dielectric, Diffuse, Plastic};
+use crate::{Conductor, Dielectric, Diffuse, Plastic, RoughConductor, RoughPlastic};
 use manylight_math::{Spectrum, Vec2, Vec3};
 
 /// What the path carries. Refraction squeezes radiance into another solid angle, and importance not: the two differ by
@@ -75,10 +75,14 @@ pub enum Bsdf {
     Diffuse(Diffuse),
     /// A smooth metal: delta.
     Conductor(Conductor),
+    /// A rough metal.
+    RoughConductor(RoughConductor),
     /// A smooth interface between transparent media: delta, and on both sides.
     Dielectric(Dielectric),
     /// A diffuse base under a smooth coat: delta and diffuse.
     Plastic(Plastic),
+    /// A diffuse base under a rough coat.
+    RoughPlastic(RoughPlastic),
 }
 
 macro_rules! from_models {
@@ -90,7 +94,10 @@ macro_rules! from_models {
         })*
     };
 }
-from_models!(Diffuse, Conductor, Dielectric, Plastic);
+from_models!(Diffuse, Conductor, RoughConductor, Dielectric, Plastic, RoughPlastic);
+
+// One is kept in every virtual light.
+const _: () = assert!(size_of::<Bsdf>() <= 64);
 
 /// `answer` of whichever model it is, `black` if it is none.
 macro_rules! ask {
@@ -99,8 +106,10 @@ macro_rules! ask {
             Bsdf::Black => $black,
             Bsdf::Diffuse($model) => $answer,
             Bsdf::Conductor($model) => $answer,
+            Bsdf::RoughConductor($model) => $answer,
             Bsdf::Dielectric($model) => $answer,
             Bsdf::Plastic($model) => $answer,
+            Bsdf::RoughPlastic($model) => $answer,
         }
     };
 }
