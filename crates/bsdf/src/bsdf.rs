@@ -1,7 +1,7 @@
 //! The interface: one value that is any of the models.
 
-use crate::Diffuse;
 use crate::cone::Cone;
+use crate::{Conductor, Dielectric, Diffuse, Plastic, RoughConductor, RoughPlastic};
 use manylight_math::{Spectrum, Vec2, Vec3};
 
 /// What the path carries. Refraction squeezes radiance into another solid angle, and importance not: the two differ by
@@ -30,6 +30,10 @@ pub struct BsdfSample {
 }
 
 impl BsdfSample {
+    /// The delta lobe of reflection, chosen with probability `pdf`.
+    pub(crate) fn mirror(wi: Vec3, weight: Spectrum, pdf: f32) -> Self {
+        BsdfSample { wo: Vec3::new(-wi.x, -wi.y, wi.z), weight, pdf, delta: true, eta: 1.0 }
+    }
     pub(crate) fn smooth(wo: Vec3, weight: Spectrum, pdf: f32) -> Self {
         BsdfSample { wo, weight, pdf, delta: false, eta: 1.0 }
     }
@@ -69,13 +73,31 @@ pub enum Bsdf {
     Black,
     /// Lambert's model.
     Diffuse(Diffuse),
+    /// A smooth metal: delta.
+    Conductor(Conductor),
+    /// A rough metal.
+    RoughConductor(RoughConductor),
+    /// A smooth interface between transparent media: delta, and on both sides.
+    Dielectric(Dielectric),
+    /// A diffuse base under a smooth coat: delta and diffuse.
+    Plastic(Plastic),
+    /// A diffuse base under a rough coat.
+    RoughPlastic(RoughPlastic),
 }
 
-impl From<Diffuse> for Bsdf {
-    fn from(model: Diffuse) -> Self {
-        Bsdf::Diffuse(model)
-    }
+macro_rules! from_models {
+    ($($model:ident),*) => {
+        $(impl From<$model> for Bsdf {
+            fn from(model: $model) -> Self {
+                Bsdf::$model(model)
+            }
+        })*
+    };
 }
+from_models!(Diffuse, Conductor, RoughConductor, Dielectric, Plastic, RoughPlastic);
+
+// One is kept in every virtual light.
+const _: () = assert!(size_of::<Bsdf>() <= 64);
 
 /// `answer` of whichever model it is, `black` if it is none.
 macro_rules! ask {
@@ -83,6 +105,11 @@ macro_rules! ask {
         match $bsdf {
             Bsdf::Black => $black,
             Bsdf::Diffuse($model) => $answer,
+            Bsdf::Conductor($model) => $answer,
+            Bsdf::RoughConductor($model) => $answer,
+            Bsdf::Dielectric($model) => $answer,
+            Bsdf::Plastic($model) => $answer,
+            Bsdf::RoughPlastic($model) => $answer,
         }
     };
 }

@@ -4,7 +4,6 @@ use crate::Lobe;
 use manylight_math::Vec3;
 
 /// All directions within the half angle around `axis`.
-#[allow(dead_code)] // The rough models read the rest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cone {
     pub axis: Vec3,

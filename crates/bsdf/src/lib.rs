@@ -16,8 +16,25 @@
 //! ```
 
 mod bsdf;
+mod conductor;
 mod cone;
+mod dielectric;
 mod diffuse;
+pub mod fresnel;
+mod microfacet;
+mod microfacet_bound;
+mod plastic;
+mod rough_conductor;
+mod rough_plastic;
+mod rough_transmittance;
+mod special;
 
 pub use bsdf::{Bsdf, BsdfSample, Lobe, Mode};
+pub use conductor::Conductor;
+pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use microfacet::{Distribution, MIN_ALPHA};
+pub use plastic::Plastic;
+pub use rough_conductor::RoughConductor;
+pub use rough_plastic::RoughPlastic;
+pub use rough_transmittance::RoughTransmittance;
