@@ -68,6 +68,7 @@ fn pool(sorted: &[(f64, f64)]) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::synthetic::{assert_between, count};
 
     #[test]
     fn a_known_case_has_its_tabled_value() {
@@ -104,5 +105,29 @@ mod tests {
     #[test]
     fn a_density_that_does_not_integrate_to_one_fails() {
         assert!(chi2_goodness_of_fit(&[10_000; 10], &[9_800.0; 10], 0).p_value < 1e-4);
+    }
+    #[test]
+    fn it_errs_as_often_as_it_says_and_sees_a_liar() {
+        // 12 bins of which four are rare; the liar gives 40 % more weight to the first.
+        let weights = [20.0, 10.0, 10.0, 10.0, 10.0, 10.0, 10.0, 9.0, 0.3, 0.3, 0.2, 0.2];
+        let total: f64 = weights.iter().sum();
+        let expected = weights.map(|w| w / total * 1000.0);
+        let rejected = |seed, lie: f64| {
+            count(seed, 1000, |rng| {
+                let mut seen = [0; 12];
+                for _ in 0..1000 {
+                    let mut u = rng.uniform() * (total + lie);
+                    let bin = weights.iter().enumerate().position(|(i, w)| {
+                        u -= w + if i == 0 { lie } else { 0.0 };
+                        u < 0.0
+                    });
+                    seen[bin.unwrap_or(11)] += 1;
+                }
+                chi2_goodness_of_fit(&seen, &expected, 0).p_value < 0.05
+            })
+        };
+        assert_between(rejected(1, 0.0), 1000, 0.05, 0.05);
+        // Noncentrality 23.3 with 8 degrees: power 0.96 (Patnaik's approximation).
+        assert_between(rejected(2, 8.0), 1000, 0.95, 0.97);
     }
 }
