@@ -41,8 +41,9 @@ impl Microfacets {
             Distribution::Beckmann => {
                 let cos2 = h.z * h.z;
                 let gauss = (-slope2 / cos2).exp();
-                // Where the Gaussian underflows, 1 / cos^4 may overflow.
-                if gauss > 0.0 { normalisation * gauss / (cos2 * cos2) } else { 0.0 }
+                // So far out in its tail a Gaussian is cut off (as by Mitsuba 3), before it loses its precision; there
+                // 1 / cos^4 may also overflow.
+                if gauss > 1e-30 { normalisation * gauss / (cos2 * cos2) } else { 0.0 }
             }
         }
     }

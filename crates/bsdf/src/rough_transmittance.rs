@@ -3,7 +3,7 @@
 use crate::fresnel;
 use crate::microfacet::{Distribution, Microfacets, mirror};
 use crate::special::gauss_legendre;
-use manylight_math::{Vec2, Vec3};
+use manylight_math::Vec3;
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
