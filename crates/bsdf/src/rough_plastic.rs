@@ -45,13 +45,13 @@ impl Model for RoughPlastic {
     const DELTA: bool = false;
 
     fn eval(&self, wi: Vec3, wo: Vec3) -> Spectrum {
-        let Some(h) = Microfacets::half_vector(wi, wo) else { return Spectrum::BLACK };
-        let fresnel = fresnel::dielectric(wi.dot(h), self.coat.eta).reflected;
+        let Some((h, cos)) = Microfacets::half_vector(wi, wo) else { return Spectrum::BLACK };
+        let fresnel = fresnel::dielectric(cos, self.coat.eta).reflected;
         let diffuse = INV_PI * self.coat.transmitted(wi.z) * self.coat.transmitted(wo.z);
         self.specular_reflectance * (fresnel * self.coat.microfacets.reflection(wi, wo, h)) + self.base * diffuse
     }
     fn pdf_sa(&self, wi: Vec3, wo: Vec3) -> f32 {
-        let Some(h) = Microfacets::half_vector(wi, wo) else { return 0.0 };
+        let Some((h, _)) = Microfacets::half_vector(wi, wo) else { return 0.0 };
         let Some(p) = self.probability_of_coat(wi) else { return 0.0 };
         p * self.coat.microfacets.reflection_pdf_sa(wi, h) + (1.0 - p) * warp::cosine_hemisphere_pdf(wo)
     }
@@ -71,7 +71,7 @@ impl Model for RoughPlastic {
         }
         Some(BsdfSample::smooth(wo, self.eval(wi, wo) * (wo.z / pdf), pdf))
     }
-    /// From tables.
+    /// From tables: within 0.005.
     fn albedo(&self, wi: Vec3) -> Spectrum {
         if !(wi.z > 0.0) {
             return Spectrum::BLACK;
