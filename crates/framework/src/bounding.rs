@@ -59,7 +59,15 @@ pub trait Compensator: Send + Sync {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoCompensation;
 impl Compensator for NoCompensation {
-    fn residual(&self, _: &Scene, _: &Vertex, _: &dyn Bounding, _: &Outgoing, _: &mut Probe, _: &mut Stream) -> Spectrum {
+    fn residual(
+        &self,
+        _: &Scene,
+        _: &Vertex,
+        _: &dyn Bounding,
+        _: &Outgoing,
+        _: &mut Probe,
+        _: &mut Stream,
+    ) -> Spectrum {
         Spectrum::BLACK
     }
     fn repairs(&self, bounding: Claim) -> Claim {

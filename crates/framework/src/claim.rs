@@ -28,7 +28,12 @@ impl KnobSet {
     }
     /// Names of the knobs.
     pub fn names(self) -> Vec<&'static str> {
-        let all = [(KnobSet::PATHS, "paths"), (KnobSet::PASSES, "passes"), (KnobSet::ERROR, "error"), (KnobSet::ALPHA, "alpha")];
+        let all = [
+            (KnobSet::PATHS, "paths"),
+            (KnobSet::PASSES, "passes"),
+            (KnobSet::ERROR, "error"),
+            (KnobSet::ALPHA, "alpha"),
+        ];
         all.into_iter().filter(|k| self.contains(k.0)).map(|k| k.1).collect()
     }
 }

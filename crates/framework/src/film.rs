@@ -62,9 +62,19 @@ pub struct Film<'s> {
     scheduler: &'s dyn Scheduler,
 }
 
+/// Pixels of a tile with their places, and what was counted on the way.
+type Tile = (Vec<(usize, Spectrum)>, Probe);
+
 impl<'s> Film<'s> {
     /// A black film.
-    pub fn new(camera: Camera, filter: &'s FilterSampler, seed: u64, pass: u64, spp: u32, scheduler: &'s dyn Scheduler) -> Self {
+    pub fn new(
+        camera: Camera,
+        filter: &'s FilterSampler,
+        seed: u64,
+        pass: u64,
+        spp: u32,
+        scheduler: &'s dyn Scheduler,
+    ) -> Self {
         let image = Image::new(camera.size.0 as usize, camera.size.1 as usize);
         Film { image, camera, seed, pass, spp: spp.max(1), filter, scheduler }
     }
@@ -88,13 +98,14 @@ impl<'s> Film<'s> {
         let across = w.div_ceil(TILE);
         let tiles = across * h.div_ceil(TILE);
         let explain = probe.explain.is_some();
-        let results: Vec<Mutex<Option<(Vec<(usize, Spectrum)>, Probe)>>> = (0..tiles).map(|_| Mutex::new(None)).collect();
+        let results: Vec<Mutex<Option<Tile>>> = (0..tiles).map(|_| Mutex::new(None)).collect();
         let this: &Self = self;
         this.scheduler.run(tiles, &|tile| {
             if this.scheduler.cancelled() {
                 return;
             }
-            let mut probe = Probe { explain: explain.then(Vec::new), ..Probe::default() };
+            let mut probe = Probe::default();
+            probe.explain = explain.then(Vec::new);
             let (x0, y0) = (tile % across * TILE, tile / across * TILE);
             let mut pixels = Vec::with_capacity(TILE * TILE);
             for y in y0..(y0 + TILE).min(h) {
@@ -114,7 +125,12 @@ impl<'s> Film<'s> {
             }
         }
     }
-    fn pixel(&self, pixel: usize, probe: &mut Probe, radiance: &dyn Fn(&Ray, &mut Probe, &mut Stream) -> Spectrum) -> Spectrum {
+    fn pixel(
+        &self,
+        pixel: usize,
+        probe: &mut Probe,
+        radiance: &dyn Fn(&Ray, &mut Probe, &mut Stream) -> Spectrum,
+    ) -> Spectrum {
         let mut sum = Spectrum::BLACK;
         for sample in 0..self.spp {
             let mut s = self.stream(pixel, sample);

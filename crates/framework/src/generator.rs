@@ -33,5 +33,11 @@ pub trait Generator: Promise + Send + Sync {
     /// What it makes.
     type Lights;
     /// Walks this pass's paths. Rays are counted in `probe`.
-    fn generate(&self, scene: &Scene, pass: u64, seed: u64, probe: &mut Probe) -> Result<Batch<Self::Lights>, GenerateError>;
+    fn generate(
+        &self,
+        scene: &Scene,
+        pass: u64,
+        seed: u64,
+        probe: &mut Probe,
+    ) -> Result<Batch<Self::Lights>, GenerateError>;
 }

@@ -15,7 +15,9 @@ pub enum PassError {
     #[error(transparent)]
     Build(#[from] BuildError),
     /// This bounding cannot be compensated.
-    #[error("this bound cannot be compensated: it depends on what only a light knows; choose another bound, or compensation=none")]
+    #[error(
+        "this bound cannot be compensated: it depends on what only a light knows; choose another bound, or compensation=none"
+    )]
     NotCompensable,
     /// This light set merges lights of different depths.
     #[error("this light set merges lights of different depths: give it no max-depth, or one set an edge count")]
@@ -31,7 +33,14 @@ pub trait Integrator: Promise + Send + Sync {
     /// Makes what the pass shares.
     fn prepare(&self, scene: &Scene, pass: u64, seed: u64, probe: &mut Probe) -> Result<Self::Prepared, PassError>;
     /// Radiance along a camera ray: one sample. [W/(m^2 sr)]
-    fn radiance(&self, scene: &Scene, prepared: &Self::Prepared, ray: &Ray, probe: &mut Probe, s: &mut Stream) -> Spectrum;
+    fn radiance(
+        &self,
+        scene: &Scene,
+        prepared: &Self::Prepared,
+        ray: &Ray,
+        probe: &mut Probe,
+        s: &mut Stream,
+    ) -> Spectrum;
     /// A whole pass. Light tracing, photon passes and frame compensation override it.
     fn render_pass(&self, scene: &Scene, prepared: &Self::Prepared, film: &mut Film, probe: &mut Probe) {
         film.fill(probe, &|ray, probe, s| self.radiance(scene, prepared, ray, probe, s));

@@ -14,6 +14,8 @@ pub struct Probe {
     pub shadow_rays: u64,
     /// Light paths walked.
     pub light_paths: u64,
+    /// Light paths that were ended because their flux was NaN or infinite: a fault of a generator.
+    pub broken_paths: u64,
     /// Virtual lights made.
     pub lights: u64,
     /// Lights asked for their contribution.
@@ -82,6 +84,7 @@ impl Probe {
         self.path_rays += o.path_rays;
         self.shadow_rays += o.shadow_rays;
         self.light_paths += o.light_paths;
+        self.broken_paths += o.broken_paths;
         self.lights += o.lights;
         self.evaluations += o.evaluations;
         self.non_finite.merge(&o.non_finite);

@@ -148,7 +148,11 @@ impl Geometry {
             return Err(GeometryError::TooMany { primitives: primitives.len() });
         }
         // The box test of the tree rounds; boxes padded by a little more than that never lose a hit (they decide nothing else).
-        let pad = if bounds.is_empty() { 0.0 } else { bounds.lo.abs().max(bounds.hi.abs()).max_element() * 4.0 * f32::EPSILON };
+        let pad = if bounds.is_empty() {
+            0.0
+        } else {
+            bounds.lo.abs().max(bounds.hi.abs()).max_element() * 4.0 * f32::EPSILON
+        };
         let boxes: Vec<Box3> = primitives
             .iter()
             .map(|p| {

@@ -24,7 +24,11 @@ impl ShearedRay {
         if d[kz] < 0.0 {
             std::mem::swap(&mut kx, &mut ky); // keeps the winding
         }
-        ShearedRay { origin: ray.origin, axes: [kx, ky, kz], shear: Vec3::new(d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]) }
+        ShearedRay {
+            origin: ray.origin,
+            axes: [kx, ky, kz],
+            shear: Vec3::new(d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]),
+        }
     }
     /// Distance and barycentrics (b1, b2) of the second and third vertex, for a hit in (0, t_max).
     #[inline(always)]

@@ -15,7 +15,8 @@ fn ball(n: u32, centre: Vec3, radius: f32) -> TriangleMesh {
             for i in 0..=n {
                 let (u, v) = (i as f64 / n as f64, j as f64 / n as f64);
                 let at = |k: usize| c[k].as_dvec3();
-                let p: DVec3 = at(0) * (1.0 - u) * (1.0 - v) + at(1) * u * (1.0 - v) + at(2) * u * v + at(3) * (1.0 - u) * v;
+                let p: DVec3 =
+                    at(0) * (1.0 - u) * (1.0 - v) + at(1) * u * (1.0 - v) + at(2) * u * v + at(3) * (1.0 - u) * v;
                 // The same corner must round to the same point whichever face it is computed from.
                 let p = p.to_array().map(|x| (x * 1e6).round() / 1e6);
                 mesh.positions.push(centre + (DVec3::from_array(p).normalize() * radius as f64).as_vec3());
@@ -70,7 +71,9 @@ fn a_walk_inside_closed_shapes_never_escapes_and_never_stands_still() {
             let mut s = Stream::new(2, [0; 3], Purpose::TEST);
             let mut ray = Ray::new(centre, Vec3::X);
             for bounce in 0..20_000 {
-                let hit = geometry.intersect(&ray).unwrap_or_else(|| panic!("escaped at bounce {bounce}, far {far}, scale {scale}"));
+                let hit = geometry
+                    .intersect(&ray)
+                    .unwrap_or_else(|| panic!("escaped at bounce {bounce}, far {far}, scale {scale}"));
                 let x = geometry.surface(&ray, &hit);
                 assert!((x.p - centre).length() < 1.8 * scale);
                 // Leave at any angle on the inner side, grazing ones too.
@@ -89,7 +92,8 @@ fn tilt() -> glam::DQuat {
 #[test]
 fn points_of_a_convex_room_see_each_other_and_nothing_sees_through_a_wall() {
     for scale in [1e-4f32, 1.0, 1e4] {
-        let to_world = DAffine3::from_scale_rotation_translation(DVec3::splat(scale as f64), tilt(), DVec3::splat(scale as f64));
+        let to_world =
+            DAffine3::from_scale_rotation_translation(DVec3::splat(scale as f64), tilt(), DVec3::splat(scale as f64));
         let geometry = Geometry::build(vec![ShapeGeometry::Mesh(TriangleMesh::cube(&to_world))]).unwrap();
         let mut s = Stream::new(3, [0; 3], Purpose::TEST);
         let mut on_wall = || geometry.surface_on_triangle(0, s.next_below(12) as u32, warp::triangle(s.next_2d()));

@@ -46,11 +46,7 @@ impl Aabb {
     /// One of the eight corners, by the bits of `i` (0..8). [m]
     pub fn corner(&self, i: usize) -> Vec3 {
         let pick = |bit: usize, lo: f32, hi: f32| if i >> bit & 1 == 0 { lo } else { hi };
-        Vec3::new(
-            pick(0, self.lo.x, self.hi.x),
-            pick(1, self.lo.y, self.hi.y),
-            pick(2, self.lo.z, self.hi.z),
-        )
+        Vec3::new(pick(0, self.lo.x, self.hi.x), pick(1, self.lo.y, self.hi.y), pick(2, self.lo.z, self.hi.z))
     }
     /// Smallest and largest squared distance between points of two boxes. [m^2]
     pub fn distances2(&self, o: &Aabb) -> (f32, f32) {

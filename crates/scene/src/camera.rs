@@ -47,7 +47,10 @@ impl Camera {
         let axis = |v: DVec3| to_world.transform_vector3(v).normalize();
         let tan = (0.5 * fov_x_degrees).to_radians().tan();
         let pixel = 2.0 * tan / size.0 as f64;
-        let half = [tan * (1.0 - 2.0 * principal_point_offset[0]), 0.5 * pixel * size.1 as f64 * (1.0 - 2.0 * principal_point_offset[1])];
+        let half = [
+            tan * (1.0 - 2.0 * principal_point_offset[0]),
+            0.5 * pixel * size.1 as f64 * (1.0 - 2.0 * principal_point_offset[1]),
+        ];
         Ok(Camera {
             origin: to_world.translation.as_vec3(),
             forward: axis(DVec3::Z).as_vec3(),
@@ -107,7 +110,9 @@ mod tests {
     }
     #[test]
     fn bad_cameras_are_refused() {
-        for (fov, size) in [(0.0, (4, 4)), (180.0, (4, 4)), (f64::NAN, (4, 4)), (40.0, (0, 4)), (40.0, (1 << 20, 1 << 20))] {
+        for (fov, size) in
+            [(0.0, (4, 4)), (180.0, (4, 4)), (f64::NAN, (4, 4)), (40.0, (0, 4)), (40.0, (1 << 20, 1 << 20))]
+        {
             assert!(Camera::perspective(DAffine3::IDENTITY, fov, size).is_err());
         }
         assert!(Camera::perspective(DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0)), 40.0, (4, 4)).is_err());

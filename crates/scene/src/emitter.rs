@@ -30,17 +30,30 @@ pub enum Emitter {
         radiance: Spectrum,
     },
     /// Radiance from far away, by a map.
-    Environment(Environment),
+    Environment(Box<Environment>),
 }
 
 /// One source, prepared for drawing.
 #[derive(Clone, Debug)]
 enum Sampler {
     /// A shape; `triangles` picks one by area, for meshes.
-    Area { shape: u32, radiance: Source, area: f64, triangles: Option<AliasTable> },
-    Point { position: Vec3, intensity: Spectrum },
-    Directional { direction: Vec3, irradiance: Spectrum },
-    Constant { radiance: Spectrum },
+    Area {
+        shape: u32,
+        radiance: Source,
+        area: f64,
+        triangles: Option<AliasTable>,
+    },
+    Point {
+        position: Vec3,
+        intensity: Spectrum,
+    },
+    Directional {
+        direction: Vec3,
+        irradiance: Spectrum,
+    },
+    Constant {
+        radiance: Spectrum,
+    },
     Environment(Environment),
 }
 
@@ -82,9 +95,18 @@ pub struct Emitters {
 
 impl Emitters {
     /// Shapes that emit first, in their order, then the others. Also the emitter of each shape (`u32::MAX`: none).
-    pub(crate) fn new(radiances: &[Option<Source>], others: Vec<Emitter>, geometry: &Geometry, textures: &[Texture]) -> (Self, Vec<u32>) {
+    pub(crate) fn new(
+        radiances: &[Option<Source>],
+        others: Vec<Emitter>,
+        geometry: &Geometry,
+        textures: &[Texture],
+    ) -> (Self, Vec<u32>) {
         let bounds = geometry.bounds();
-        let world = if bounds.is_empty() { (Vec3::ZERO, 1.0) } else { (bounds.centre(), bounds.radius().max(f32::MIN_POSITIVE) * 1.0001) };
+        let world = if bounds.is_empty() {
+            (Vec3::ZERO, 1.0)
+        } else {
+            (bounds.centre(), bounds.radius().max(f32::MIN_POSITIVE) * 1.0001)
+        };
         let disc = std::f64::consts::PI * (world.1 as f64).powi(2);
         let mut of_shape = vec![u32::MAX; radiances.len()];
         let mut samplers = Vec::new();
@@ -189,8 +211,12 @@ impl Emitters {
             Sampler::Area { shape, radiance, area, triangles } => {
                 let u = s.next_2d();
                 let x = match (triangles, &geometry.shapes()[*shape as usize]) {
-                    (Some(table), _) => geometry.surface_on_triangle(*shape, table.sample(s.next_f64()) as u32, warp::triangle(u)),
-                    (None, ShapeGeometry::Sphere(ball)) => geometry.surface_on_round(*shape, ball.centre + warp::sphere(u)),
+                    (Some(table), _) => {
+                        geometry.surface_on_triangle(*shape, table.sample(s.next_f64()) as u32, warp::triangle(u))
+                    }
+                    (None, ShapeGeometry::Sphere(ball)) => {
+                        geometry.surface_on_round(*shape, ball.centre + warp::sphere(u))
+                    }
                     (None, ShapeGeometry::Disk(disc)) => {
                         let d = warp::disc(u) * disc.radius;
                         geometry.surface_on_round(*shape, disc.centre + disc.frame.s * d.x + disc.frame.t * d.y)
@@ -201,7 +227,9 @@ impl Emitters {
                 let point = EmitterPoint::Lambert { n: x.ng, error: x.error };
                 made(point, x.p, radiance.at(textures, x.uv) * (PI / density), Some(density))
             }
-            Sampler::Point { position, intensity } => made(EmitterPoint::Isotropic, *position, *intensity * (4.0 * PI / pmf), None),
+            Sampler::Point { position, intensity } => {
+                made(EmitterPoint::Isotropic, *position, *intensity * (4.0 * PI / pmf), None)
+            }
             Sampler::Directional { direction, irradiance } => {
                 made(EmitterPoint::Distant { towards: -*direction }, self.world.0, *irradiance * (1.0 / pmf), None)
             }
@@ -213,7 +241,12 @@ impl Emitters {
             Sampler::Environment(map) => {
                 let (towards, pdf) = map.sample([s.next_f64(), s.next_f64()])?;
                 let density = pmf * pdf;
-                made(EmitterPoint::Distant { towards }, self.world.0, map.radiance(towards) * (1.0 / density), Some(density))
+                made(
+                    EmitterPoint::Distant { towards },
+                    self.world.0,
+                    map.radiance(towards) * (1.0 / density),
+                    Some(density),
+                )
             }
         }
     }
@@ -249,4 +282,3 @@ impl EmitterPoint {
         }
     }
 }
-

@@ -46,7 +46,8 @@ impl Environment {
             let measure = edge(j) - edge(j + 1);
             for i in 0..w {
                 let corners = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)];
-                let c = corners.iter().map(|&(x, y)| env.image.pixels[y * w + x % w]).sum::<Spectrum>() * (0.25 * scale);
+                let c =
+                    corners.iter().map(|&(x, y)| env.image.pixels[y * w + x % w]).sum::<Spectrum>() * (0.25 * scale);
                 weights.push(c.luminance() as f64 * measure);
                 solid += measure;
                 for (s, x) in sum.iter_mut().zip(c.to_array()) {
@@ -106,7 +107,9 @@ mod tests {
     fn map() -> Environment {
         let (w, h) = (8, 5);
         let mut s = Stream::new(3, [0; 3], Purpose::TEST);
-        let pixels = (0..w * h).map(|i| if i % 3 == 0 { Spectrum::BLACK } else { Spectrum::rgb(s.next_f32(), 0.5, s.next_f32() * 9.0) }).collect();
+        let pixels = (0..w * h)
+            .map(|i| if i % 3 == 0 { Spectrum::BLACK } else { Spectrum::rgb(s.next_f32(), 0.5, s.next_f32() * 9.0) })
+            .collect();
         let rotation = DAffine3::from_quat(glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 1.0, 2.0));
         Environment::new(Arc::new(Bitmap { width: w, height: h, pixels }), 2.0, &rotation).unwrap()
     }
@@ -133,7 +136,14 @@ mod tests {
     }
     #[test]
     fn a_constant_map_is_constant_and_a_black_one_cannot_be_sampled() {
-        let flat = |c: f32| Environment::new(Arc::new(Bitmap { width: 4, height: 3, pixels: vec![Spectrum::gray(c); 12] }), 1.0, &DAffine3::IDENTITY).unwrap();
+        let flat = |c: f32| {
+            Environment::new(
+                Arc::new(Bitmap { width: 4, height: 3, pixels: vec![Spectrum::gray(c); 12] }),
+                1.0,
+                &DAffine3::IDENTITY,
+            )
+            .unwrap()
+        };
         assert!((flat(0.5).radiance(Vec3::new(0.6, 0.0, 0.8)).0.x - 0.5).abs() < 1e-6);
         assert!((flat(0.5).mean().0.x - 0.5).abs() < 1e-6);
         assert!(flat(0.0).sample([0.5, 0.5]).is_none());

@@ -105,9 +105,14 @@ impl FilterSampler {
             return FilterSampler { filter, cells: None };
         }
         let r = filter.radius();
-        let values: Vec<f32> = (0..CELLS).map(|i| filter.eval(((i as f32 + 0.5) / CELLS as f32 * 2.0 - 1.0) * r)).collect();
+        let values: Vec<f32> =
+            (0..CELLS).map(|i| filter.eval(((i as f32 + 0.5) / CELLS as f32 * 2.0 - 1.0) * r)).collect();
         let (sum, magnitude) = values.iter().fold((0.0f64, 0.0f64), |(s, m), &v| (s + v as f64, m + v.abs() as f64));
-        let cells = Cdf::new(values.iter().map(|v| v.abs() as f64)).map(|cdf| Cells { cdf, values, scale: (magnitude / sum) as f32 });
+        let cells = Cdf::new(values.iter().map(|v| v.abs() as f64)).map(|cdf| Cells {
+            cdf,
+            values,
+            scale: (magnitude / sum) as f32,
+        });
         FilterSampler { filter, cells }
     }
     /// The filter.

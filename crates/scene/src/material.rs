@@ -1,7 +1,9 @@
 //! What surfaces are made of, before texture coordinates are known.
 
 use crate::{Source, Texture, TextureId};
-use manylight_bsdf::{Bsdf, Conductor, Dielectric, Diffuse, Distribution, Plastic, RoughConductor, RoughPlastic};
+use manylight_bsdf::{
+    Bsdf, Conductor, Dielectric, Diffuse, Distribution, Plastic, RoughConductor, RoughPlastic, RoughTransmittance,
+};
 use manylight_math::{Spectrum, Vec2};
 
 /// Index of a material in its scene.
@@ -66,14 +68,8 @@ pub enum Model {
     },
     /// A rough coat over a diffuse base.
     RoughPlastic {
-        /// Of the microfacets' normals.
-        distribution: Distribution,
-        /// Roughness.
-        alpha: f32,
-        /// Refractive index of the coat.
-        int_ior: f32,
-        /// Refractive index outside.
-        ext_ior: f32,
+        /// Distribution, roughness and refractive index of the coat.
+        coat: &'static RoughTransmittance,
         /// Albedo of the base.
         diffuse: Source,
         /// Multiplies the reflection of the coat.
@@ -99,8 +95,8 @@ impl Model {
             Model::Plastic { int_ior, ext_ior, diffuse, specular, nonlinear } => {
                 Plastic::new(*int_ior, *ext_ior, at(diffuse), at(specular), *nonlinear).into()
             }
-            Model::RoughPlastic { distribution, alpha, int_ior, ext_ior, diffuse, specular, nonlinear } => {
-                RoughPlastic::new(*distribution, *alpha, *int_ior, *ext_ior, at(diffuse), at(specular), *nonlinear).into()
+            Model::RoughPlastic { coat, diffuse, specular, nonlinear } => {
+                RoughPlastic::new(coat, at(diffuse), at(specular), *nonlinear).into()
             }
         }
     }

@@ -1,7 +1,9 @@
 //! Everything that is rendered, and the questions that light transport asks of it.
 
 use crate::vertex::{Edge, Scatter, SurfacePoint, Vertex};
-use crate::{Camera, Emission, Emitter, EmitterSample, Emitters, Filter, Material, MaterialId, Source, Texture, TextureId};
+use crate::{
+    Camera, Emission, Emitter, EmitterSample, Emitters, Filter, Material, MaterialId, Source, Texture, TextureId,
+};
 use manylight_bsdf::{Bsdf, Mode};
 use manylight_geometry::{Geometry, GeometryError, Hit, ShapeGeometry, offset_from, shadow_segment};
 use manylight_math::{Aabb, Frame, Ray, Spectrum, Vec3};
@@ -116,9 +118,14 @@ impl SceneBuilder {
         for s in &self.shapes {
             missing(format!("shape `{}`", s.name), "material", s.material.0, self.materials.len())?;
             match s.radiance {
-                Some(Source::Texture(id)) => missing(format!("shape `{}`", s.name), "texture", id.0, self.textures.len())?,
+                Some(Source::Texture(id)) => {
+                    missing(format!("shape `{}`", s.name), "texture", id.0, self.textures.len())?
+                }
                 Some(Source::Constant(c)) if !c.is_valid() => {
-                    return Err(SceneError::Emission(format!("shape `{}` emits {:?}: expected finite, not negative", s.name, c.0)));
+                    return Err(SceneError::Emission(format!(
+                        "shape `{}` emits {:?}: expected finite, not negative",
+                        s.name, c.0
+                    )));
                 }
                 _ => {}
             }
@@ -135,7 +142,9 @@ impl SceneBuilder {
             };
             environments += surrounds as usize;
             if !valid {
-                return Err(SceneError::Emission(format!("an emitter is negative, not finite or without direction: {e:?}")));
+                return Err(SceneError::Emission(format!(
+                    "an emitter is negative, not finite or without direction: {e:?}"
+                )));
             }
         }
         if environments > 1 {
@@ -266,9 +275,7 @@ impl Scene {
                 Some(ray) => ray,
                 None => return Spectrum::ONE, // nothing fits between coincident points
             },
-            Edge::ToInfinity(a, w) => {
-                Ray::new(a.surface.map_or(a.p, |(n, error)| offset_from(a.p, n, error, *w)), *w)
-            }
+            Edge::ToInfinity(a, w) => Ray::new(a.surface.map_or(a.p, |(n, error)| offset_from(a.p, n, error, *w)), *w),
         };
         if self.geometry.occluded(&ray) { Spectrum::BLACK } else { Spectrum::ONE }
     }

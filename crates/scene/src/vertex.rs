@@ -277,7 +277,9 @@ impl Vertex {
                 match x.mode {
                     Mode::Radiance => lobe,
                     // The departure's cosine is the geometric one, of which the BSDF's bound knows nothing.
-                    Mode::Importance => Lobe { with_cosine: lobe.without_cosine * a, without_cosine: lobe.without_cosine * a },
+                    Mode::Importance => {
+                        Lobe { with_cosine: lobe.without_cosine * a, without_cosine: lobe.without_cosine * a }
+                    }
                 }
             }
             Scatter::Medium(x) => {
@@ -341,7 +343,10 @@ mod tests {
         let ns = Vec3::new(0.3, -0.2, 1.0).normalize();
         let surface = Surface { p: Vec3::ZERO, error: 1e-6, ng: Vec3::Z, ns, uv: Vec2::ZERO, dpdu: Vec3::X };
         let bsdf = Diffuse::new(Spectrum::rgb(0.8, 0.5, 0.1)).into();
-        Vertex { p: Vec3::ZERO, scatter: Scatter::Surface(SurfacePoint::new(&surface, Frame::around(ns), wi, bsdf, mode)) }
+        Vertex {
+            p: Vec3::ZERO,
+            scatter: Scatter::Surface(SurfacePoint::new(&surface, Frame::around(ns), wi, bsdf, mode)),
+        }
     }
     #[test]
     fn a_light_path_and_an_eye_path_give_the_same_product_over_tilted_shading_normals() {
@@ -359,7 +364,11 @@ mod tests {
             for _ in 0..1000 {
                 let Some(x) = v.sample(s.next_f32(), s.next_2d()) else { continue };
                 let expected = v.eval(x.dir) / v.pdf_sa(x.dir);
-                assert!((x.weight - expected).0.length() < 1e-3 * expected.largest(), "{mode:?} {:?} {expected:?}", x.weight);
+                assert!(
+                    (x.weight - expected).0.length() < 1e-3 * expected.largest(),
+                    "{mode:?} {:?} {expected:?}",
+                    x.weight
+                );
             }
         }
     }
