@@ -28,8 +28,8 @@ pub struct Subject {
 /// What was done and counted, all passes of the image together.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stats {
-    /// The program and its version.
-    pub software: String,
+    /// This program and its version.
+    pub renderer: String,
     /// Name of the method.
     pub method: String,
     /// All its parameters, with the values they had.
@@ -124,7 +124,7 @@ impl Stats {
         let probe = &rendering.probe;
         let Subject { method, parameters, claim, scene_hash, load, build } = subject.clone();
         Stats {
-            software: concat!("manylight ", env!("CARGO_PKG_VERSION")).into(),
+            renderer: concat!("manylight ", env!("CARGO_PKG_VERSION")).into(),
             method,
             parameters: parameters.into_iter().collect(),
             claim,
@@ -152,7 +152,7 @@ impl Stats {
     pub fn attributes(&self) -> BTreeMap<String, Attribute> {
         let parameters: Vec<String> = self.parameters.iter().map(|(key, value)| format!("{key}={value}")).collect();
         let texts = [
-            ("software", self.software.clone()),
+            ("renderer", self.renderer.clone()),
             ("method", self.method.clone()),
             ("parameters", parameters.join(" ")),
             ("claim", self.claim.clone()),

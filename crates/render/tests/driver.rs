@@ -262,8 +262,15 @@ fn statistics_are_written_as_json_and_into_the_header() {
     assert_eq!(json["scene_hash"], "0000000000000abc");
     assert_eq!(json["seconds"]["load"], 1.5);
     assert_eq!(json["rays"]["camera"].as_u64(), Some(2 * 2 * u64::from(SIZE.0 * SIZE.1)));
-    use manylight_render::files::Attribute::{Number, Text};
-    let header = stats.attributes();
+    use manylight_render::files::{
+        Attribute::{Number, Text},
+        Picture, read_exr, write_exr,
+    };
+    let picture = Picture { attributes: stats.attributes(), ..Image::new(1, 1).into() };
+    let path = directory.path().join("a.exr");
+    write_exr(&path, &picture).unwrap();
+    let header = read_exr(&path).unwrap().attributes;
+    assert_eq!(header, picture.attributes);
     assert_eq!(header["seed"], Text(u64::MAX.to_string()));
     assert_eq!(header["parameters"], Text("bound=none paths=8".into()));
     assert_eq!(header["passes"], Number(2.0));
