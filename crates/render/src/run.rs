@@ -60,7 +60,7 @@ pub struct Rendering {
     pub interrupted: bool,
     /// From the start to the end of the last pass that is in the image.
     pub elapsed: Duration,
-    /// Of that, what was not spent in the tiles of the image: light paths, trees, and whatever else comes before.
+    /// Of that, what passed in each pass before the first tile of the image: light paths, trees.
     pub preparing: Duration,
     /// Rays, lights and rare events of the passes in the image.
     pub probe: Probe,
@@ -93,7 +93,7 @@ pub fn render(
         if done.interrupted && mean.passes() > 0 {
             return Ok(done.with_mean(&mean));
         }
-        done.preparing += begin.elapsed().saturating_sub(workers.busy());
+        done.preparing += workers.first_run().unwrap_or_else(Instant::now).saturating_duration_since(begin);
         done.probe.merge(&counts);
         if done.interrupted {
             return Ok(Rendering { image: pass, elapsed: start.elapsed(), ..done });

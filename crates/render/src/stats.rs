@@ -73,9 +73,9 @@ pub struct Seconds {
     pub load: f64,
     /// Putting the method together.
     pub build: f64,
-    /// In the passes, before and between the tiles of the image: light paths, trees.
+    /// In each pass before the first tile of the image: light paths, trees.
     pub generate: f64,
-    /// The rest of the passes: the tiles of the image.
+    /// The rest of the passes.
     pub render: f64,
 }
 

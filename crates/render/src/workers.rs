@@ -2,8 +2,9 @@
 
 use manylight_framework::Scheduler;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
-use std::time::{Duration, Instant};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::Instant;
 
 /// Runs the tasks of one pass on the pool it is called in, until it is told to stop.
 pub struct Workers<'a> {
@@ -11,33 +12,32 @@ pub struct Workers<'a> {
     /// Whether anyone in this pass has been told to stop. A pass that ended before anyone asked is complete, even if
     /// `cancel` is set a moment later.
     told: AtomicBool,
-    nanoseconds: AtomicU64,
+    first_run: OnceLock<Instant>,
 }
 
 impl<'a> Workers<'a> {
     pub fn new(cancel: &'a AtomicBool) -> Self {
-        Workers { cancel, told: AtomicBool::new(false), nanoseconds: AtomicU64::new(0) }
+        Workers { cancel, told: AtomicBool::new(false), first_run: OnceLock::new() }
     }
     /// Whether something may have been left out of the pass.
     pub fn cut_short(&self) -> bool {
         self.told.load(Relaxed)
     }
-    /// Time spent in [`Scheduler::run`].
-    pub fn busy(&self) -> Duration {
-        Duration::from_nanos(self.nanoseconds.load(Relaxed))
+    /// When the first tasks began, if any have: what came before was preparation.
+    pub fn first_run(&self) -> Option<Instant> {
+        self.first_run.get().copied()
     }
 }
 
 impl Scheduler for Workers<'_> {
     fn run(&self, tasks: usize, task: &(dyn Fn(usize) + Sync)) {
-        let start = Instant::now();
+        self.first_run.get_or_init(Instant::now);
         // One task at a time: tiles differ too much in cost to be handed out in blocks.
         (0..tasks).into_par_iter().with_max_len(1).for_each(|i| {
             if !self.cancelled() {
                 task(i);
             }
         });
-        self.nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Relaxed);
     }
     fn cancelled(&self) -> bool {
         let cancelled = self.cancel.load(Relaxed);

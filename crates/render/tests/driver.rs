@@ -124,7 +124,19 @@ fn a_time_too_short_still_renders_two_passes_and_the_true_time_is_told() {
     let rendering = run(&slow, &settings(Budget::Time(Duration::from_millis(1))));
     assert_eq!((rendering.passes, rendering.interrupted), (2, false));
     assert!(rendering.elapsed >= Duration::from_millis(40));
-    assert!(rendering.preparing >= Duration::from_millis(40), "all of it outside of tiles");
+    assert!(rendering.preparing >= Duration::from_millis(40), "there were no tiles");
+}
+#[test]
+fn what_comes_before_the_tiles_is_told_apart_from_them() {
+    let method = Toy(|film: &mut Film, probe: &mut Probe| {
+        std::thread::sleep(Duration::from_millis(30));
+        film.fill(probe, &|_, _, _| Spectrum::ONE);
+        std::thread::sleep(Duration::from_millis(100));
+        Ok(())
+    });
+    let rendering = run(&method, &settings(Budget::Passes(2)));
+    assert!((60..160).contains(&rendering.preparing.as_millis()), "{:?}", rendering.preparing);
+    assert!(rendering.elapsed >= Duration::from_millis(260));
 }
 #[test]
 fn a_time_is_spent_and_not_much_exceeded() {
