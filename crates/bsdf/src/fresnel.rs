@@ -113,13 +113,13 @@ fn conductor_polarised(cos_i: f32, eta: f32, k: f32) -> (f32, f32) {
     (r_s, r_p)
 }
 
-/// Fit of the reflectance of an interface under diffuse light, index ratio `eta`: Egan and Hilgeman 1973 below 1, d'Eon
-/// and Irving 2011 above. Relative error 0.1 % for 2/3 <= `eta` <= 2, 0.6 % down to 1/2, 9.5 % down to 1/5.
-///
-/// [`diffuse_reflected`] is exact; the fit is what the plastic of Mitsuba 3 is made of.
+/// [`diffuse_reflected`] as Mitsuba 3's plastic has it, where that is a good fit: Egan and Hilgeman 1973 below 1, d'Eon and
+/// Irving 2011 above, relative error 0.6 %. Below 1/2 the former exceeds one, and the exact value takes its place.
 pub(crate) fn diffuse_reflected_fit(eta: f32) -> f32 {
     let r = 1.0 / eta;
-    if eta < 1.0 {
+    if eta < 0.5 {
+        diffuse_reflected(eta)
+    } else if eta < 1.0 {
         -1.4399 * eta * eta + 0.7099 * eta + 0.6681 + 0.0636 * r
     } else {
         0.919317 + r * (-3.4793 + r * (6.75335 + r * (-7.80989 + r * (4.98554 - r * 1.36881))))
@@ -241,8 +241,9 @@ mod tests {
                 .sum();
             assert!((sum - f64::from(diffuse_reflected(eta))).abs() < 1e-4, "{eta}: {sum} {}", diffuse_reflected(eta));
             let fit_error = (f64::from(diffuse_reflected_fit(eta)) / sum - 1.0).abs();
-            if (0.67..=2.0).contains(&eta) && (eta - 1.0).abs() > 0.1 {
-                assert!(fit_error < 0.002, "{eta}: {fit_error}");
+            // Near 1 little is reflected, and the relative error of the fits is large.
+            if (eta - 1.0).abs() > 0.1 {
+                assert!(fit_error < 0.006, "{eta}: {fit_error}");
             }
         }
     }

@@ -41,8 +41,9 @@ impl Microfacets {
             Distribution::Beckmann => {
                 let cos2 = h.z * h.z;
                 let gauss = (-slope2 / cos2).exp();
-                // Where the Gaussian underflows, 1 / cos^4 may overflow.
-                if gauss > 0.0 { normalisation * gauss / (cos2 * cos2) } else { 0.0 }
+                // So far out in its tail a Gaussian is cut off (as by Mitsuba 3), before it loses its precision; there
+                // 1 / cos^4 may also overflow.
+                if gauss > 1e-30 { normalisation * gauss / (cos2 * cos2) } else { 0.0 }
             }
         }
     }
@@ -93,17 +94,60 @@ impl Microfacets {
 
     /// Draws a normal as seen from `wi` (`wi.z` > 0): Heitz 2018 for GGX, Heitz and d'Eon 2014 for Beckmann.
     pub fn sample_visible(&self, wi: Vec3, u: Vec2) -> Vec3 {
-        // Stretched by the roughness, the surface has roughness one.
-        let stretched = Vec3::new(self.alpha_u * wi.x, self.alpha_v * wi.y, wi.z).normalize();
+        let view = View::new(self, wi);
+        view.unstretch(match self.distribution {
+            Distribution::Ggx => visible_ggx(view.cos, view.sin, u),
+            Distribution::Beckmann => Vec3::new(-view.slope_along(u.x), -slope_across(u.y), 1.0),
+        })
+    }
+    /// `sample_visible` at each pair (`u[i]`, `u[j]`), `j` running fastest. Gaussian slopes along and across the view are
+    /// independent, so that a grid of them costs no more than its sides.
+    pub fn sample_visible_grid(&self, wi: Vec3, u: &[f32]) -> Vec<Vec3> {
+        let view = View::new(self, wi);
+        match self.distribution {
+            Distribution::Ggx => u
+                .iter()
+                .flat_map(|&x| u.iter().map(move |&y| Vec2::new(x, y)))
+                .map(|u| view.unstretch(visible_ggx(view.cos, view.sin, u)))
+                .collect(),
+            Distribution::Beckmann => {
+                let across: Vec<f32> = u.iter().map(|&u| slope_across(u)).collect();
+                let along = u.iter().map(|&u| view.slope_along(u));
+                along.flat_map(|x| across.iter().map(move |&y| view.unstretch(Vec3::new(-x, -y, 1.0)))).collect()
+            }
+        }
+    }
+}
+
+/// A viewer of the surface stretched by its roughness, which then is one.
+#[derive(Clone, Copy)]
+struct View {
+    alpha: Vec2,
+    cos: f32,
+    sin: f32,
+    azimuth: Vec2,
+}
+
+impl View {
+    fn new(m: &Microfacets, wi: Vec3) -> Self {
+        let stretched = Vec3::new(m.alpha_u * wi.x, m.alpha_v * wi.y, wi.z).normalize();
         let sin = stretched.truncate().length();
         let azimuth = if sin > 0.0 { stretched.truncate() / sin } else { Vec2::X };
-        let n = match self.distribution {
-            Distribution::Ggx => visible_ggx(stretched.z, sin, u),
-            Distribution::Beckmann => visible_beckmann(stretched.z, sin, u),
-        };
-        let n = Vec3::new(azimuth.x * n.x - azimuth.y * n.y, azimuth.y * n.x + azimuth.x * n.y, n.z);
-        Vec3::new(self.alpha_u * n.x, self.alpha_v * n.y, n.z).normalize()
+        View { alpha: Vec2::new(m.alpha_u, m.alpha_v), cos: stretched.z, sin, azimuth }
     }
+    /// From a normal (of any length) of the stretched surface, x towards the viewer.
+    fn unstretch(&self, n: Vec3) -> Vec3 {
+        let n = (self.alpha * self.azimuth.rotate(n.truncate())).extend(n.z);
+        n.normalize()
+    }
+    fn slope_along(&self, u: f32) -> f32 {
+        visible_slope(f64::from(self.cos), f64::from(self.sin), f64::from(u)) as f32
+    }
+}
+
+/// Across the view slopes are seen as they are: a viewer at the zenith.
+fn slope_across(u: f32) -> f32 {
+    visible_slope(1.0, 0.0, f64::from(u)) as f32
 }
 
 /// `wi` mirrored at the microfacet `h`.
@@ -143,22 +187,14 @@ fn visible_ggx(cos: f32, sin: f32, u: Vec2) -> Vec3 {
     Vec3::new(sin * z - cos * y, -p.x, (sin * y + cos * z).max(0.0))
 }
 
-/// Normal (not unit) of Beckmann microfacets of roughness one seen from (sin, 0, cos).
-fn visible_beckmann(cos: f32, sin: f32, u: Vec2) -> Vec3 {
-    let x = visible_slope(f64::from(cos), f64::from(sin), f64::from(u.x));
-    // Across the view slopes are seen as they are: a viewer at the zenith.
-    let y = visible_slope(1.0, 0.0, f64::from(u.y));
-    Vec3::new(-x as f32, -y as f32, 1.0)
-}
-
-/// The slope below which a fraction `u` of the projected area lies: Newton's iteration, kept in a bracket.
+/// The slope towards the viewer below which a fraction `u` of the projected Gaussian area lies: Newton's iteration, kept in a bracket.
 fn visible_slope(cos: f64, sin: f64, u: f64) -> f64 {
     let (mut low, mut high) = (-6.0, (cos / sin).min(6.0));
     // Half a step of a 24-bit number from either end.
     let u = u.clamp(3e-8, 1.0 - 3e-8);
     let target = u * projected_area(cos, sin, high);
-    // Exact at grazing angles where u is small.
-    let mut x = (-(-u.ln()).sqrt()).clamp(low, high);
+    // Between the solution at grazing angles and a logistic one at the zenith.
+    let mut x = (cos * 0.42 * (u / (1.0 - u)).ln() - (1.0 - cos) * (-u.ln()).sqrt()).clamp(low, high);
     for _ in 0..60 {
         let excess = projected_area(cos, sin, x) - target;
         if excess > 0.0 {
@@ -168,11 +204,14 @@ fn visible_slope(cos: f64, sin: f64, u: f64) -> f64 {
         }
         let slope = std::f64::consts::FRAC_2_SQRT_PI * (-x * x).exp() * (cos - x * sin);
         let newton = x - excess / slope;
-        let next = if low < newton && newton < high { newton } else { 0.5 * (low + high) };
-        if (next - x).abs() < 1e-7 {
-            return next;
+        if !(low < newton && newton < high) {
+            x = 0.5 * (low + high);
+        } else if (newton - x).abs() < 1e-4 {
+            // Each step squares the error.
+            return newton;
+        } else {
+            x = newton;
         }
-        x = next;
     }
     x
 }

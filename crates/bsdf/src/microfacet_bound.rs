@@ -70,17 +70,20 @@ impl Microfacets {
 
     /// Bound of the density of normals over the half vectors. `near` and `far`: angles from `wi` to the cone.
     fn density_bound(&self, wi: Vec3, cone: &Cone, near: f32, far: f32) -> f32 {
-        // How far half vectors are from the axis' one; anywhere, if the cone is not convex or reaches around to -wi.
+        // How angles of directions, and their rounding, grow in the half vector; without bound where it reaches -wi.
+        let stretch = if far < PI { 0.5 / (0.5 * far).cos() } else { f32::INFINITY };
+        let slack = Cone::SLACK * stretch;
+        // How far half vectors are from the axis' one; anywhere, if the cone is not convex.
         let (centre, radius) = match (wi + cone.axis).try_normalize() {
-            Some(h) if cone.half < FRAC_PI_2 && far < PI => (h, 0.5 * cone.half / (0.5 * far).cos() + Cone::SLACK),
+            Some(h) if cone.half < FRAC_PI_2 => (h, cone.half * stretch + slack),
             _ => (Vec3::Z, PI),
         };
         let (inclination_i, inclination_h) = (inclination(wi), inclination(centre));
         let least = (inclination_h - radius)
-            .max(inclination_i - 0.5 * far - Cone::SLACK)
-            .max(0.5 * near - inclination_i - Cone::SLACK)
+            .max(inclination_i - 0.5 * far - slack)
+            .max(0.5 * near - inclination_i - slack)
             .clamp(0.0, FRAC_PI_2);
-        let most = (inclination_h + radius).min(inclination_i + 0.5 * far + Cone::SLACK).min(FRAC_PI_2);
+        let most = (inclination_h + radius).min(inclination_i + 0.5 * far + slack).min(FRAC_PI_2);
         // |wi + wo| <= 2: a half vector is never lower than this. The floor keeps the square of T finite.
         let cos_most = most.cos().max(0.49999 * wi.z).max(1e-9);
         let cos_least = least.cos().max(cos_most);

@@ -3,7 +3,7 @@
 use crate::fresnel;
 use crate::microfacet::{Distribution, Microfacets, mirror};
 use crate::special::gauss_legendre;
-use manylight_math::{Vec2, Vec3};
+use manylight_math::Vec3;
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
@@ -139,11 +139,12 @@ impl Side {
         })
     }
     fn mean_over_visible(&self, wi: Vec3, f: impl Fn(Vec3) -> f32) -> f32 {
+        let nodes: Vec<f32> = self.nodes.iter().map(|&(x, _)| x as f32).collect();
+        let normals = self.microfacets.sample_visible_grid(wi, &nodes);
         let mut sum = 0.0;
-        for (x, weight_x) in &self.nodes {
-            for (y, weight_y) in &self.nodes {
-                let h = self.microfacets.sample_visible(wi, Vec2::new(*x as f32, *y as f32));
-                sum += weight_x * weight_y * f64::from(f(h));
+        for (row, (_, row_weight)) in normals.chunks(nodes.len()).zip(&self.nodes) {
+            for (h, (_, weight)) in row.iter().zip(&self.nodes) {
+                sum += row_weight * weight * f64::from(f(*h));
             }
         }
         sum as f32

@@ -1,1 +1,16 @@
-//! Under construction.
+//! The composite integrator: generator x light set x kernel x bounding x compensation.
+//!
+//! At the first vertex x of an eye path that scatters into all directions,
+//!
+//! > L(x -> eye) = emission + direct(x) + sum over the lights of keep x contribution + residual(x),
+//!
+//! where `direct` is sampled (lights and BSDF, combined by multiple importance sampling), unless the lights cover it. Delta
+//! lobes (mirrors, glass) are walked through until that vertex; emission seen on the way counts once.
+//!
+//! See `ManyLights` for the parts, and the crate `manylight-recipes` for the named compositions.
+
+mod direct;
+mod many_lights;
+
+pub use direct::direct_light;
+pub use many_lights::{ManyLights, Prepared};

@@ -183,14 +183,17 @@ mod tests {
     }
     #[test]
     fn fireflies_show_in_the_percentile_only_if_one_in_a_thousand_pixels_is_one() {
-        let reference = vec![Spectrum::ONE; 3000];
-        let with = |fireflies: usize| {
+        let with = |pixels: usize, fireflies: usize| {
+            let reference = vec![Spectrum::ONE; pixels];
             let mut image = reference.clone();
             image[..fireflies].fill(Spectrum::gray(100.0));
-            compare(&view(100, &image), &view(100, &reference)).unwrap().percentile_999
+            compare(&view(1, &image), &view(1, &reference)).unwrap().percentile_999
         };
-        assert_eq!((with(0), with(3)), (0.0, 0.0));
-        near(with(4), 99.0 / 1.01f64.sqrt());
+        assert_eq!((with(3000, 3), with(3999, 3), with(2999, 2)), (0.0, 0.0, 0.0));
+        for (pixels, fireflies) in [(3000, 4), (2999, 3), (10, 1)] {
+            assert!(with(pixels, fireflies) > 90.0);
+        }
+        near(with(3000, 3000), 99.0 / 1.01f64.sqrt());
     }
     #[test]
     fn blocks_leave_out_what_is_not_finite() {

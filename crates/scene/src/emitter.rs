@@ -54,7 +54,7 @@ enum Sampler {
     Constant {
         radiance: Spectrum,
     },
-    Environment(Environment),
+    Environment(Box<Environment>),
 }
 
 /// A point (or direction) drawn from an emitter.

@@ -64,9 +64,8 @@ impl BlockTest {
             Detection { alpha: self.alpha, comparisons: tests.len(), power: self.power, alternative: self.alternative };
         let seen =
             (0..tests.len()).filter_map(|k| relative(k, detection.smallest_bias(tests[k].std_error, tests[k].degrees)));
-        let heaviest = heaviest_block(a, reference);
-        let outcome = match heaviest {
-            Some((block, top)) if top.is_heavy(tests.len()) => Outcome::HeavyTail { block, top },
+        let outcome = match heaviest_block(a, reference) {
+            Some((block, top)) => Outcome::HeavyTail { block, top },
             _ if adjusted[worst] <= self.alpha => Outcome::Rejected,
             _ => Outcome::Passes,
         };
@@ -128,11 +127,12 @@ impl Reference<'_> {
     }
 }
 
-/// The block, of either side, whose tail is the least likely.
+/// The heavy-tailed block, of either side, whose share is the least likely.
 fn heaviest_block(a: &Runs, reference: Reference) -> Option<(usize, TopShare)> {
     let b = if let Reference::Runs(b) = reference { Some(b) } else { None };
     let tops = [Some(a), b].into_iter().flatten();
     tops.flat_map(|runs| (0..runs.blocks()).map(|k| (k, TopShare::new(runs.block(k)))))
+        .filter(|(_, top)| top.is_heavy(a.blocks()))
         .min_by(|(_, x), (_, y)| x.chance.total_cmp(&y.chance))
 }
 
@@ -247,10 +247,13 @@ mod tests {
             })
         };
         assert_between(pareto(8, 400, 4), 200, 0.95, 1.0);
-        // On either side of the comparison.
-        let (a, b) =
-            (vec![vec![1.0, 2.0]; 30], (0..30).map(|i| vec![if i == 4 { 900.0 } else { 1.0 + f64::from(i % 2) }, 2.0]));
-        let (a, b) = (Runs::new(a).unwrap(), Runs::new(b.collect()).unwrap());
+        // On either side of the comparison, even if the other has a share below the limit that is less likely still.
+        let heavy = |i| if i == 4 { 900.0 } else { 1.0 + f64::from(i % 2) };
+        let wide = |i| if i < 10 { 15.0 } else { f64::from(i % 7) };
+        let a = Runs::new((0..30).map(|i| vec![heavy(i), 2.0]).collect()).unwrap();
+        let b = Runs::new((0..2990).map(|i| vec![1.0, wide(i % 997)]).collect()).unwrap();
+        let (top_a, top_b) = (TopShare::new(a.block(0)), TopShare::new(b.block(1)));
+        assert!(top_a.is_heavy(2) && !top_b.is_heavy(2) && top_b.chance < top_a.chance, "{top_a:?} {top_b:?}");
         for (a, b) in [(&a, &b), (&b, &a)] {
             let verdict = TEST.run(a, Reference::Runs(b)).unwrap();
             assert!(matches!(verdict.outcome, Outcome::HeavyTail { block: 0, .. }), "{verdict}");

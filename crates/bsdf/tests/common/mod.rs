@@ -1,0 +1,113 @@
+//! Models and directions that the tests share.
+#![allow(dead_code, reason = "each test binary uses its part")]
+
+use manylight_bsdf::*;
+use manylight_math::{Spectrum, Vec2, Vec3};
+use manylight_sampling::{Purpose, Stream};
+
+pub const GOLD: (Spectrum, Spectrum) = (Spectrum::rgb(0.14, 0.37, 1.44), Spectrum::rgb(3.98, 2.39, 1.60));
+/// Saturated, and with a black channel.
+pub const RED: Spectrum = Spectrum::rgb(0.95, 0.2, 0.0);
+pub const BLUE: Spectrum = Spectrum::rgb(0.0, 0.1, 0.9);
+
+pub fn stream(seed: u64) -> Stream {
+    Stream::new(seed, [0; 3], Purpose::TEST)
+}
+/// The direction at a polar angle and an azimuth [rad].
+pub fn polar(theta: f32, phi: f32) -> Vec3 {
+    Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+}
+pub fn metal(distribution: Distribution, alpha_u: f32, alpha_v: f32) -> Bsdf {
+    RoughConductor::new(distribution, alpha_u, alpha_v, GOLD.0, GOLD.1, Spectrum::ONE).into()
+}
+/// Reflects everything that its microfacets do not shadow.
+pub fn white_metal(distribution: Distribution, alpha_u: f32, alpha_v: f32) -> Bsdf {
+    RoughConductor::new(distribution, alpha_u, alpha_v, Spectrum::BLACK, Spectrum::ONE, Spectrum::ONE).into()
+}
+pub fn rough_plastic(distribution: Distribution, alpha: f32, diffuse: Spectrum, specular: Spectrum) -> Bsdf {
+    RoughPlastic::new(RoughTransmittance::of(distribution, alpha, 1.5), diffuse, specular, true).into()
+}
+pub fn glass() -> Bsdf {
+    Dielectric::new(1.5, 1.0, Spectrum::ONE, Spectrum::ONE).into()
+}
+
+/// Every model with a smooth lobe, at roughness from polished to matt.
+pub fn smooth_models() -> Vec<(String, Bsdf)> {
+    use Distribution::*;
+    let mut models: Vec<(String, Bsdf)> = vec![
+        ("diffuse".into(), Diffuse::new(RED).into()),
+        ("plastic".into(), Plastic::new(1.5, 1.0, RED, BLUE, false).into()),
+        ("nonlinear plastic".into(), Plastic::new(1.5, 1.0, Spectrum::ONE, Spectrum::ONE, true).into()),
+    ];
+    for distribution in [Beckmann, Ggx] {
+        for (alpha_u, alpha_v) in [(0.05, 0.05), (0.3, 0.3), (1.0, 1.0), (0.1, 0.5)] {
+            let name = format!("{distribution:?} metal {alpha_u} {alpha_v}");
+            models.push((name, metal(distribution, alpha_u, alpha_v)));
+        }
+        for alpha in [0.1, 0.6] {
+            let name = format!("{distribution:?} plastic {alpha}");
+            models.push((name, rough_plastic(distribution, alpha, RED, BLUE)));
+        }
+    }
+    models
+}
+
+pub fn draw(bsdf: &Bsdf, wi: Vec3, s: &mut Stream) -> Option<BsdfSample> {
+    let u_lobe = s.next_f32();
+    bsdf.sample(wi, Mode::Radiance, u_lobe, s.next_2d())
+}
+
+/// A grid over the upper hemisphere, uniform in phi and in sqrt(1 - cos): a solid angle in each cell.
+pub struct Grid {
+    pub rows: usize,
+    pub columns: usize,
+}
+
+impl Grid {
+    pub fn cells(&self) -> usize {
+        self.rows * self.columns
+    }
+    pub fn cell(&self, w: Vec3) -> usize {
+        // 1 - cos without its cancellation.
+        let versine = w.truncate().length_squared() / (1.0 + w.z);
+        let row = ((versine.sqrt() * self.rows as f32) as usize).min(self.rows - 1);
+        let turn = (w.y.atan2(w.x) / std::f32::consts::TAU).rem_euclid(1.0);
+        row * self.columns + ((turn * self.columns as f32) as usize).min(self.columns - 1)
+    }
+    /// Integral of `f` over solid angle in each cell, by a Gauss-Legendre rule of 5 x 5 points in each of n x n parts.
+    pub fn integrate(&self, parts: usize, f: impl Fn(Vec3) -> f64) -> Vec<f64> {
+        let (rows, columns) = (self.rows * parts, self.columns * parts);
+        let mut cells = vec![0.0; self.cells()];
+        for i in 0..rows {
+            for j in 0..columns {
+                let mut sum = 0.0;
+                for (x, weight_x) in GAUSS_5 {
+                    for (y, weight_y) in GAUSS_5 {
+                        let r = (i as f64 + x) / rows as f64;
+                        let phi = std::f64::consts::TAU * (j as f64 + y) / columns as f64;
+                        let sin = r * (2.0 - r * r).sqrt();
+                        let w = Vec3::new((sin * phi.cos()) as f32, (sin * phi.sin()) as f32, (1.0 - r * r) as f32);
+                        sum += weight_x * weight_y * 2.0 * r * f(w);
+                    }
+                }
+                cells[i / parts * self.columns + j / parts] += sum * std::f64::consts::TAU / (rows * columns) as f64;
+            }
+        }
+        cells
+    }
+}
+
+/// Nodes and weights over [0, 1].
+const GAUSS_5: [(f64, f64); 5] = [
+    (0.046910077030668, 0.118463442528095),
+    (0.230765344947158, 0.239314335249683),
+    (0.5, 0.284444444444444),
+    (0.769234655052842, 0.239314335249683),
+    (0.953089922969332, 0.118463442528095),
+];
+
+/// Points of the unit square, even and without a pattern.
+pub fn squares(n: usize) -> impl Iterator<Item = Vec2> {
+    let mut s = stream(77);
+    (0..n).map(move |_| s.next_2d())
+}

@@ -1,0 +1,49 @@
+//! Which bound each pass gets.
+
+use crate::Bound;
+use manylight_framework::{BoundingPlan, Claim, KnobSet, Promise};
+use manylight_scene::Scene;
+
+/// How the bound of a pass is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BoundPlanKind {
+    /// No bound.
+    None,
+    /// The same always. [1/m^2]
+    Fixed(f32),
+    /// b = `AUTO_SHARE` x pi x N / A, for N light paths in a scene of surface A.
+    ///
+    /// Of N lights that share the flux Phi, one brings the irradiance G Phi / (pi N) to a surface that it faces; the scene's
+    /// mean irradiance is Phi / A. So this bound lets no light bring more than `AUTO_SHARE` of the mean irradiance, and the
+    /// distance below which light is lost, 1 / sqrt(b), shrinks with the number of paths: the bias vanishes with them.
+    Auto,
+}
+
+/// Part of the mean irradiance that one light may bring under `BoundPlanKind::Auto`.
+pub const AUTO_SHARE: f64 = 0.1;
+
+impl Promise for BoundPlanKind {
+    fn claim(&self) -> Claim {
+        match self {
+            BoundPlanKind::None => Claim::EXACT,
+            BoundPlanKind::Fixed(_) => Claim::DARKENS,
+            BoundPlanKind::Auto => Claim { vanishes_with: KnobSet::PATHS, ..Claim::DARKENS },
+        }
+    }
+}
+impl BoundingPlan for BoundPlanKind {
+    type Pass = Bound;
+    fn at(&self, scene: &Scene, _pass: u64, paths: u64) -> Bound {
+        match *self {
+            BoundPlanKind::None => Bound::None,
+            BoundPlanKind::Fixed(b) => Bound::Geometry(b),
+            BoundPlanKind::Auto => {
+                let b = AUTO_SHARE * std::f64::consts::PI * paths.max(1) as f64 / scene.area();
+                if b.is_finite() { Bound::Geometry((b as f32).max(f32::MIN_POSITIVE)) } else { Bound::None }
+            }
+        }
+    }
+    fn tames(&self) -> bool {
+        *self != BoundPlanKind::None
+    }
+}

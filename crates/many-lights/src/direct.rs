@@ -1,0 +1,69 @@
+//! Direct light at a vertex, by sampling.
+
+use manylight_framework::Probe;
+use manylight_math::Spectrum;
+use manylight_sampling::Stream;
+use manylight_scene::{Edge, EmitterPoint, Mode, Scatter, Scene, Vertex};
+
+/// One sample of the direct light at `x` through its lobes that are not delta lobes: a point of an emitter and a direction of
+/// the BSDF, combined by the power heuristic (Veach and Guibas 1995). Unbiased.
+pub fn direct_light(scene: &Scene, x: &Vertex, probe: &mut Probe, s: &mut Stream) -> Spectrum {
+    from_emitter(scene, x, probe, s) + from_bsdf(scene, x, probe, s)
+}
+
+/// a^2 / (a^2 + b^2), without overflow.
+fn power_heuristic(a: f32, b: f32) -> f32 {
+    let r = b / a;
+    1.0 / (1.0 + r * r)
+}
+
+fn from_emitter(scene: &Scene, x: &Vertex, probe: &mut Probe, s: &mut Stream) -> Spectrum {
+    let Some(light) = scene.sample_emitter(s) else { return Spectrum::BLACK };
+    let y = &light.vertex;
+    let (w, edge, per_area) = match y.scatter {
+        Scatter::Emitter(EmitterPoint::Distant { towards }) => (towards, Edge::ToInfinity(x.end(), towards), 1.0),
+        _ => {
+            let d = y.p - x.p;
+            let d2 = d.length_squared();
+            if !(d2 > f32::MIN_POSITIVE) {
+                return Spectrum::BLACK;
+            }
+            let w = d / d2.sqrt();
+            (w, Edge::Between(x.end(), y.end()), y.cosine(-w) / d2)
+        }
+    };
+    let value = x.eval(w) * y.lobe_at(-w) * light.flux * per_area;
+    if value.is_black() {
+        return value;
+    }
+    let weight = match light.density {
+        // Per solid angle at x: what the BSDF's density has to be compared with.
+        Some(density) => power_heuristic(density / per_area, x.pdf_sa(w)),
+        None => 1.0,
+    };
+    probe.shadow_rays += 1;
+    value * scene.transmittance(&edge) * weight
+}
+
+fn from_bsdf(scene: &Scene, x: &Vertex, probe: &mut Probe, s: &mut Stream) -> Spectrum {
+    let Some(next) = x.sample(s.next_f32(), s.next_2d()) else { return Spectrum::BLACK };
+    if next.delta {
+        return Spectrum::BLACK; // the eye path walks through delta lobes itself
+    }
+    let emitters = scene.emitters();
+    probe.path_rays += 1;
+    let (emitted, light_pdf) = match scene.intersect(&x.leave(next.dir), Mode::Radiance) {
+        Some(y) => match (y.emitter(), y.normal()) {
+            (Some(emitter), Some(n)) if !y.emitted().is_black() => {
+                let d2 = (y.p - x.p).length_squared();
+                (y.emitted(), emitters.pdf_area(emitter) * d2 / n.dot(next.dir).abs())
+            }
+            _ => return Spectrum::BLACK,
+        },
+        None => (scene.environment(next.dir), emitters.environment_pdf_sa(next.dir)),
+    };
+    if emitted.is_black() {
+        return Spectrum::BLACK;
+    }
+    next.weight * emitted * power_heuristic(next.pdf, light_pdf)
+}

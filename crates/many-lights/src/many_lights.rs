@@ -1,0 +1,170 @@
+//! The composite.
+
+use crate::direct_light;
+use manylight_framework::{
+    BoundingPlan, Claim, Compensator, Gather, Generator, Integrator, LightSet, Occlusion, PassError, Plan, Probe,
+    Promise,
+};
+use manylight_math::{Aabb, Ray, Spectrum};
+use manylight_sampling::{Purpose, Stream};
+use manylight_scene::{Edge, Mode, Scene, Vertex};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// generator x light set x kernel x bounding x compensation. Only light set x kernel x kind of end is monomorphised: the
+/// generator and the compensator are trait objects, of one call a pass or a receiver.
+pub struct ManyLights<L, P, K, B> {
+    /// Makes the lights of each pass.
+    pub generator: Box<dyn Generator<Lights = L>>,
+    /// Builds the light set from them.
+    pub plan: P,
+    /// Connects a receiver to a light.
+    pub kernel: K,
+    /// What is kept of a connection.
+    pub bounding: B,
+    /// Estimates what was not.
+    pub compensator: Box<dyn Compensator>,
+    /// Longest path, in edges; `u32::MAX`: no limit.
+    pub max_edges: u32,
+    /// Shortest path, in edges: shorter ones (1: emission seen directly, 2: direct light) are left out.
+    pub min_edges: u32,
+}
+
+/// The lights of a pass.
+pub struct Prepared<S, B> {
+    set: S,
+    bounding: B,
+    covers_direct: bool,
+}
+
+/// From this edge on a chain of delta lobes is ended by Russian roulette (in glass, total reflection may go on for ever).
+const CERTAIN_EDGES: u32 = 8;
+const SURVIVAL: f32 = 0.95;
+
+impl<L, P, K, B> ManyLights<L, P, K, B>
+where
+    P: Plan<L>,
+    K: Promise + Sync,
+    B: BoundingPlan,
+    P::Set: for<'g> LightSet<Gather<'g, Vertex, K, B::Pass>>,
+{
+    fn counts(&self, edges: u32) -> bool {
+        (self.min_edges..=self.max_edges).contains(&edges)
+    }
+    /// What leaves `x` without its emission, after `edges` edges from the eye: direct light, what the lights bring, and what
+    /// the bounding took away.
+    fn outgoing(
+        &self,
+        scene: &Scene,
+        p: &Prepared<P::Set, B::Pass>,
+        x: &Vertex,
+        edges: u32,
+        probe: &mut Probe,
+        s: &mut Stream,
+    ) -> Spectrum {
+        if edges >= self.max_edges || !x.connects() {
+            return Spectrum::BLACK;
+        }
+        let mut sum = Spectrum::BLACK;
+        if !p.covers_direct && self.counts(edges + 1) {
+            sum += direct_light(scene, x, probe, s);
+        }
+        let mut ask = Gather {
+            scene,
+            receiver: x,
+            kernel: &self.kernel,
+            bounding: &p.bounding,
+            edges_left: self.max_edges - edges,
+            edges_least: self.min_edges.saturating_sub(edges + 1),
+            probe: &mut *probe,
+        };
+        sum += p.set.radiance(&mut ask, s);
+        if self.compensator.is_some() {
+            let leave = |y: &Vertex, more: u32, probe: &mut Probe, s: &mut Stream| {
+                let edges = edges.saturating_add(more);
+                let emitted = if p.covers_direct && self.counts(edges) { y.emitted() } else { Spectrum::BLACK };
+                emitted + self.outgoing(scene, p, y, edges, probe, s)
+            };
+            sum += self.compensator.residual(scene, x, &p.bounding, &leave, probe, s);
+        }
+        sum
+    }
+}
+
+impl<L, P, K, B> Integrator for ManyLights<L, P, K, B>
+where
+    P: Plan<L>,
+    K: Promise + Send + Sync,
+    B: BoundingPlan,
+    P::Set: for<'g> LightSet<Gather<'g, Vertex, K, B::Pass>>,
+{
+    type Prepared = Prepared<P::Set, B::Pass>;
+
+    fn prepare(&self, scene: &Scene, pass: u64, seed: u64, probe: &mut Probe) -> Result<Self::Prepared, PassError> {
+        if self.plan.merges() && (self.max_edges != u32::MAX || self.min_edges > 1) {
+            return Err(PassError::MergesDepths);
+        }
+        let batch = self.generator.generate(scene, pass, seed, probe)?;
+        let counted = Counted { scene, rays: AtomicU64::new(0) };
+        let set = self.plan.build(batch.lights, &counted, &mut Stream::new(seed, [pass, 0, 0], Purpose::BUILD))?;
+        probe.shadow_rays += counted.rays.into_inner();
+        let bounding = self.bounding.at(scene, pass, batch.paths);
+        if self.compensator.is_some() && !manylight_framework::Bounding::compensable(&bounding) {
+            return Err(PassError::NotCompensable);
+        }
+        Ok(Prepared { set, bounding, covers_direct: batch.covers_direct })
+    }
+
+    fn radiance(&self, scene: &Scene, p: &Self::Prepared, ray: &Ray, probe: &mut Probe, s: &mut Stream) -> Spectrum {
+        let (mut ray, mut throughput, mut sum) = (*ray, Spectrum::ONE, Spectrum::BLACK);
+        for edges in 1..=self.max_edges {
+            if edges > 1 {
+                probe.path_rays += 1;
+            }
+            let Some(x) = scene.intersect(&ray, Mode::Radiance) else {
+                if self.counts(edges) {
+                    sum += throughput * scene.environment(ray.dir);
+                }
+                break;
+            };
+            if self.counts(edges) {
+                sum += throughput * x.emitted();
+            }
+            sum += throughput * self.outgoing(scene, p, &x, edges, probe, s);
+            // Everything but the delta lobes has been gathered: walk on through those alone.
+            let Some(next) = x.sample(s.next_f32(), s.next_2d()).filter(|n| n.delta) else { break };
+            throughput *= next.weight;
+            let survival = if edges < CERTAIN_EDGES { 1.0 } else { throughput.largest().min(SURVIVAL) };
+            if !(s.next_f32() < survival) {
+                break;
+            }
+            throughput *= 1.0 / survival;
+            ray = x.leave(next.dir);
+        }
+        sum
+    }
+}
+
+impl<L, P: Promise, K: Promise, B: BoundingPlan> Promise for ManyLights<L, P, K, B> {
+    fn claim(&self) -> Claim {
+        let bounded = self.compensator.repairs(self.bounding.claim());
+        let kernel = self.kernel.claim();
+        let kernel = Claim { finite_variance: kernel.finite_variance || self.bounding.tames(), ..kernel };
+        // Camera samples are noisy whatever the parts.
+        Claim { noisy: true, ..self.generator.claim().and(self.plan.claim()).and(kernel).and(bounded) }
+    }
+}
+
+/// The scene as a light set may see it while it is built, counting its rays.
+struct Counted<'a> {
+    scene: &'a Scene,
+    rays: AtomicU64,
+}
+impl Occlusion for Counted<'_> {
+    fn transmittance(&self, edge: &Edge, _: &mut Stream) -> Spectrum {
+        self.rays.fetch_add(1, Ordering::Relaxed);
+        self.scene.transmittance(edge)
+    }
+    fn extent(&self) -> Aabb {
+        self.scene.bounds()
+    }
+}

@@ -1,0 +1,151 @@
+//! The list of methods.
+
+use crate::error::near;
+use crate::params::{COMMON, MANY_LIGHTS, PATH};
+use crate::values::Values;
+use crate::{Param, RecipeError, compose};
+use manylight_framework::{Claim, Method};
+use manylight_scene::Scene;
+
+type Compose = fn(&Values, &Scene) -> Result<Box<dyn Method>, RecipeError>;
+
+/// One method, as data.
+#[derive(Debug)]
+pub struct MethodInfo {
+    /// As written in `--method`.
+    pub name: &'static str,
+    /// What it is, in a sentence.
+    pub summary: &'static str,
+    /// Where it was published.
+    pub paper: &'static str,
+    own: &'static [Param],
+    /// Defaults that differ from the parameters' own.
+    presets: &'static [(&'static str, &'static str)],
+    compose: Compose,
+}
+
+static METHODS: &[MethodInfo] = &[
+    MethodInfo {
+        name: "instant-radiosity",
+        summary: "virtual point lights at the vertices of light paths, all of them asked at each point",
+        paper: "Keller 1997, Instant radiosity",
+        own: MANY_LIGHTS,
+        presets: &[],
+        compose: compose::many_lights,
+    },
+    MethodInfo {
+        name: "power-sampling",
+        summary: "virtual point lights, a few of them drawn by power at each point",
+        paper: "Shirley, Wang and Zimmerman 1996, Monte Carlo techniques for direct lighting calculations",
+        own: MANY_LIGHTS,
+        presets: &[("lights", "power"), ("paths", "4096")],
+        compose: compose::many_lights,
+    },
+    MethodInfo {
+        name: "many-lights",
+        summary: "any composition of generator, light set, kernel, bound and compensation",
+        paper: "Dachsbacher et al. 2014, Scalable realistic rendering with many-light methods",
+        own: MANY_LIGHTS,
+        presets: &[],
+        compose: compose::many_lights,
+    },
+    MethodInfo {
+        name: "path",
+        summary: "path tracing with next-event estimation and multiple importance sampling: the yardstick",
+        paper: "Kajiya 1986, The rendering equation; Veach and Guibas 1995, Optimally combining sampling techniques",
+        own: PATH,
+        presets: &[],
+        compose: compose::path,
+    },
+];
+
+impl MethodInfo {
+    /// Its parameters.
+    pub fn params(&self) -> impl Iterator<Item = Param> + '_ {
+        let own = self.own.iter().chain(COMMON);
+        own.map(|p| Param { default: self.default_of(p), ..*p })
+    }
+    pub(crate) fn default_of(&self, param: &Param) -> &'static str {
+        self.presets.iter().find(|p| p.0 == param.name).map_or(param.default, |p| p.1)
+    }
+}
+
+/// A method, ready to render a scene.
+pub struct Recipe {
+    /// Its name.
+    pub name: &'static str,
+    /// What renders.
+    pub method: Box<dyn Method>,
+    /// What it promises, with these parameters.
+    pub claim: Claim,
+    /// All its parameters with their values.
+    pub parameters: Vec<(String, String)>,
+    /// Camera samples a pixel and pass.
+    pub spp: u32,
+    /// What the user should know about this method on this scene.
+    pub warnings: Vec<String>,
+}
+
+/// All methods; the first is the default.
+pub fn methods() -> &'static [MethodInfo] {
+    METHODS
+}
+
+/// The method of a name.
+pub fn method(name: &str) -> Result<&'static MethodInfo, RecipeError> {
+    METHODS
+        .iter()
+        .find(|m| m.name == name)
+        .ok_or_else(|| RecipeError::Method { name: name.into(), near: near(name, METHODS.iter().map(|m| m.name)) })
+}
+
+/// The method of a name with parameters, for a scene.
+pub fn build(name: &str, params: &[(String, String)], scene: &Scene) -> Result<Recipe, RecipeError> {
+    let info = method(name)?;
+    let values = Values::new(info, params)?;
+    let method = (info.compose)(&values, scene)?;
+    let claim = method.claim();
+    let mut warnings = Vec::new();
+    if !claim.misses.is_empty() && scene.has_delta_lobes() {
+        warnings.push(format!(
+            "the scene has mirrors or glass: `{name}` leaves out the light that reaches a surface through them (caustics); \
+             `path` finds some of it"
+        ));
+    }
+    if !scene.emitters().shine() {
+        warnings.push("nothing in the scene emits light: the image will be black".into());
+    }
+    let spp = values.integer("spp")? as u32;
+    Ok(Recipe { name: info.name, method, claim, parameters: values.into_pairs(), spp, warnings })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_default_fits_its_own_parameter_and_no_name_stands_twice() {
+        for m in methods() {
+            let names: Vec<_> = m.params().map(|p| p.name).collect();
+            for p in m.params() {
+                assert!(p.kind.accepts(p.default), "{}: {}={}", m.name, p.name, p.default);
+                assert_eq!(names.iter().filter(|n| **n == p.name).count(), 1, "{}: {}", m.name, p.name);
+            }
+            for preset in m.presets {
+                assert!(names.contains(&preset.0), "{} presets `{}`, which it does not have", m.name, preset.0);
+            }
+        }
+    }
+    #[test]
+    fn a_wrong_name_or_value_says_what_would_be_right() {
+        let ir = method("instant-radiosity").unwrap();
+        let error =
+            |name: &str, value: &str| Values::new(ir, &[(name.into(), value.into())]).err().unwrap().to_string();
+        assert!(error("pathes", "3").contains("did you mean `paths`?"));
+        assert_eq!(error("paths", "0"), "paths=0: expected a whole number from 1 to 4294967296");
+        assert_eq!(error("bound", "-1"), "bound=-1: expected a positive number, `none` or `auto`");
+        assert!(error("zzz", "1").contains("`manylight list instant-radiosity` shows all"));
+        let twice = Values::new(ir, &[("paths".into(), "3".into()), ("paths".into(), "4".into())]);
+        assert_eq!(twice.err(), Some(RecipeError::Twice("paths".into())));
+    }
+}

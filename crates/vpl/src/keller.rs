@@ -1,0 +1,93 @@
+//! Instant radiosity's generator (Keller 1997), in its Monte Carlo form.
+
+use crate::walk::walk;
+use crate::{Step, Vpl};
+use manylight_bsdf::{Bsdf, Diffuse};
+use manylight_framework::{Batch, Claim, GenerateError, Generator, PathClasses, Probe, Promise};
+use manylight_scene::{Scatter, Scene};
+use rayon::prelude::*;
+
+/// How a light on a surface emits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Emission {
+    /// By its BSDF: unbiased, with spikes where the lobe is narrow.
+    Full,
+    /// As a diffuse surface of the same albedo: keeps the energy, not its directions.
+    Diffuse,
+}
+
+/// Leaves a light at every vertex of N light paths, the emitter's own excepted: indirect light only.
+#[derive(Clone, Copy, Debug)]
+pub struct Keller {
+    /// N.
+    pub paths: u64,
+    /// Longest path from emitter to eye, in edges; `None`: no limit.
+    pub max_edges: Option<u32>,
+    /// How lights emit.
+    pub emission: Emission,
+}
+
+/// Paths that a thread walks at a time.
+const CHUNK: u64 = 256;
+
+impl Promise for Keller {
+    fn claim(&self) -> Claim {
+        let exact = Claim { misses: PathClasses::CAUSTICS, ..Claim::UNBIASED };
+        match self.emission {
+            Emission::Full => exact,
+            Emission::Diffuse => Claim { bias: f32::INFINITY, brightens: true, ..exact },
+        }
+    }
+}
+
+impl Generator for Keller {
+    type Lights = Vec<Vpl>;
+    fn generate(
+        &self,
+        scene: &Scene,
+        pass: u64,
+        seed: u64,
+        probe: &mut Probe,
+    ) -> Result<Batch<Vec<Vpl>>, GenerateError> {
+        // The connection and the eye's own edge come on top.
+        let edges = self.max_edges.map_or(u32::MAX, |m| m.saturating_sub(2));
+        let lights = walk_all(self.paths, probe, |path, probe, out| {
+            walk(scene, seed, pass, path, edges, probe, |step| out.extend(self.light(&step)));
+        });
+        Ok(Batch { lights, paths: self.paths, covers_direct: false })
+    }
+}
+
+impl Keller {
+    fn light(&self, step: &Step) -> Option<Vpl> {
+        let mut vertex = step.vertex;
+        if let (Emission::Diffuse, Scatter::Surface(x)) = (self.emission, &mut vertex.scatter) {
+            let wi = x.frame.to_local(x.wi);
+            x.bsdf = if wi.z > 0.0 { Diffuse::new(x.bsdf.albedo(wi)).into() } else { Bsdf::Black };
+        }
+        let flux = step.flux * (1.0 / self.paths as f32);
+        let worth = vertex.connects() && flux.luminance() > 0.0;
+        worth.then_some(Vpl { vertex, flux, edges: step.edges })
+    }
+}
+
+/// Walks paths 0..n in parallel; lights and counts come out in the order of the paths, whatever the threads.
+pub(crate) fn walk_all(n: u64, probe: &mut Probe, walk: impl Fn(u64, &mut Probe, &mut Vec<Vpl>) + Sync) -> Vec<Vpl> {
+    let chunks: Vec<(Vec<Vpl>, Probe)> = (0..n.div_ceil(CHUNK))
+        .into_par_iter()
+        .map(|chunk| {
+            let (mut lights, mut probe) = (Vec::new(), Probe::default());
+            for path in chunk * CHUNK..((chunk + 1) * CHUNK).min(n) {
+                walk(path, &mut probe, &mut lights);
+            }
+            (lights, probe)
+        })
+        .collect();
+    let mut lights = Vec::with_capacity(chunks.iter().map(|c| c.0.len()).sum());
+    for (made, counted) in chunks {
+        lights.extend(made);
+        probe.merge(&counted);
+    }
+    probe.lights += lights.len() as u64;
+    lights
+}
