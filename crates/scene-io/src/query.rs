@@ -36,7 +36,9 @@ impl<'a> Query<'a> {
     }
     /// These may be given, and change nothing here.
     pub(crate) fn ignore(&self, names: &[&'static str]) {
-        names.iter().for_each(|n| drop(self.get(n)));
+        for name in names {
+            self.get(name);
+        }
     }
     /// Whatever else it has is accepted.
     pub(crate) fn ignore_rest(&self) {

@@ -7,7 +7,9 @@ use std::borrow::Cow;
 /// Reads a file's content.
 pub(crate) fn read(bytes: &[u8]) -> Result<RawMesh, String> {
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
-    let clean = geometry_only(bytes);
+    let Some(clean) = geometry_only(bytes) else {
+        return Err(explain(bytes).unwrap_or_else(|| "faces name what is not there".into()));
+    };
     // The material callback is never called: `geometry_only` has removed `mtllib`.
     let (models, _) = tobj::load_obj_buf(&mut clean.as_slice(), &options, |_| Err(tobj::LoadError::GenericFailure))
         .map_err(|e| explain(bytes).unwrap_or_else(|| e.to_string()))?;
@@ -36,8 +38,10 @@ fn append(raw: &mut RawMesh, mesh: tobj::Mesh) {
 }
 
 /// The lines that make geometry, each with the numbers that Mitsuba reads: no colours, no weights, no materials, no groups.
-fn geometry_only(bytes: &[u8]) -> Vec<u8> {
+/// `None` if faces name texture coordinates or normals of which there are none (tobj would pass over that).
+fn geometry_only(bytes: &[u8]) -> Option<Vec<u8>> {
     let mut out = Vec::with_capacity(bytes.len());
+    let (mut has, mut wants) = ([false; 2], [false; 2]);
     for (_, line) in lines(bytes) {
         let mut words = line.split_ascii_whitespace();
         let Some(keyword) = words.next() else { continue };
@@ -49,7 +53,16 @@ fn geometry_only(bytes: &[u8]) -> Vec<u8> {
         };
         out.extend_from_slice(keyword.as_bytes());
         let mut count = 0;
+        match keyword {
+            "vt" => has[0] = true,
+            "vn" => has[1] = true,
+            _ => {}
+        }
         for word in words.take(most) {
+            if keyword == "f" {
+                let mut parts = word.split('/').skip(1);
+                wants.iter_mut().for_each(|w| *w |= parts.next().is_some_and(|p| !p.is_empty()));
+            }
             out.push(b' ');
             out.extend_from_slice(word.as_bytes());
             count += 1;
@@ -60,7 +73,7 @@ fn geometry_only(bytes: &[u8]) -> Vec<u8> {
         }
         out.push(b'\n');
     }
-    out
+    (0..2).all(|i| has[i] || !wants[i]).then_some(out)
 }
 
 /// Lines with their numbers, comments cut off, lines that end in a backslash joined with the next.

@@ -7,7 +7,7 @@ use ply_rs_bw::ply::{BeginList, ElementDef, PropertyAccess, PropertyAccessResult
 
 /// Reads a file's content.
 pub(crate) fn read(bytes: &[u8]) -> Result<RawMesh, String> {
-    let said = |e: ply_rs_bw::parser::ParseError| first_line(&e.to_string());
+    let said = |e: ply_rs_bw::parser::ParseError| one_line(&e.to_string());
     let mut reader = Reader::new(bytes);
     let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(said)?;
     let mut raw = RawMesh::default();
@@ -34,8 +34,10 @@ pub(crate) fn read(bytes: &[u8]) -> Result<RawMesh, String> {
     raw.check()
 }
 
-fn first_line(message: &str) -> String {
-    message.lines().next().unwrap_or("").trim_end_matches('.').to_owned()
+/// The parser's messages run over lines, and quote without end.
+fn one_line(message: &str) -> String {
+    let lines: Vec<&str> = message.lines().map(|l| l.trim().trim_end_matches('.')).filter(|l| !l.is_empty()).collect();
+    lines.join("; ").chars().take(200).collect()
 }
 
 fn require_coordinates(element: &ElementDef) -> Result<(), String> {
@@ -231,11 +233,11 @@ mod tests {
             (ascii("x y w", &ok, &["3 0 1 2"]), "its vertices have no `z`"),
             (ascii("x y z", &ok, &["3 0 1 3"]), "a face names vertex 3 of 3 (counted from 0)"),
             (ascii("x y z", &ok, &["3 0 1 -1"]), "face 0 has an index below zero"),
-            (ascii("x y z", &["0 0 nan", "1 0 0", "0 1 0"], &["3 0 1 2"]), "the position of vertex 0 is not a finite number"),
+            (ascii("x y z", &["0 0 nan", "1 0 0", "0 1 0"], &["3 0 1 2"]), "0 0 nan"),
             (ascii("x y z", &ok, &[]), "the mesh has no faces"),
             (ascii("x y z", &ok, &["3 0 1 2"]).replace("vertex 3", "vertex 99999999999"), "the header promises 99999999999 of `vertex`"),
             ("ply\nformat ascii 1.0\nelement void 5\nend_header\n".into(), "the header promises 5 of `void`"),
-            (ascii("x y z", &ok, &["3 0 1 2"]).replace("vertex 3", "vertex 30"), "Couldn't read element"),
+            (ascii("x y z", &ok, &["3 0 1 2"]).replace("vertex 3", "vertex 30"), "(expected 30, got 4)"),
         ] {
             let message = read(text.as_bytes()).unwrap_err();
             assert!(message.contains(want), "{text}\n{message}");
