@@ -1,0 +1,129 @@
+//! The files that a scene names: each read once, all in parallel.
+
+use crate::document::{Class, Document, Object, Value};
+use crate::mesh::{RawMesh, obj, ply};
+use crate::{diagnostic, image};
+use manylight_scene::Bitmap;
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Larger files than this are not scenes. [bytes]
+pub(crate) const MOST_BYTES: u64 = 16 << 30;
+
+/// What is in a file, and how it is to be understood.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) enum Kind {
+    Obj,
+    Ply,
+    /// `raw`: values are not colours, they are taken as they are.
+    Image {
+        raw: bool,
+    },
+}
+
+/// A failure: message and help.
+pub(crate) type Failure = (String, Option<String>);
+type Key = (PathBuf, Kind);
+
+enum Content {
+    Mesh(RawMesh),
+    Image(Arc<Bitmap>),
+}
+
+/// All files, by path and kind.
+pub(crate) struct Assets {
+    base_dir: PathBuf,
+    content: HashMap<Key, Result<Content, Failure>>,
+    /// In the order in which the scene names them.
+    pub(crate) paths: Vec<PathBuf>,
+}
+
+impl Assets {
+    /// Reads every mesh and image that the document names.
+    pub(crate) fn read(document: &Document, base_dir: &Path) -> Self {
+        let mut keys: Vec<Key> = Vec::new();
+        let mut known = std::collections::HashSet::new();
+        for object in document.objects() {
+            if let Some((name, kind)) = wanted(object) {
+                let key = (base_dir.join(name), kind);
+                if known.insert(key.clone()) {
+                    keys.push(key);
+                }
+            }
+        }
+        let content: Vec<_> = keys.par_iter().map(|(path, kind)| read_one(path, *kind)).collect();
+        let mut paths: Vec<PathBuf> = Vec::new();
+        for ((path, _), content) in keys.iter().zip(&content) {
+            if content.is_ok() && !paths.contains(path) {
+                paths.push(path.clone());
+            }
+        }
+        Assets { base_dir: base_dir.to_owned(), content: keys.into_iter().zip(content).collect(), paths }
+    }
+    pub(crate) fn mesh(&self, name: &str, kind: Kind) -> Result<&RawMesh, Failure> {
+        match self.content.get(&(self.base_dir.join(name), kind)) {
+            Some(Ok(Content::Mesh(mesh))) => Ok(mesh),
+            Some(Err(failure)) => Err(failure.clone()),
+            _ => Err((format!("`{name}` was not read"), None)),
+        }
+    }
+    pub(crate) fn image(&self, name: &str, raw: bool) -> Result<Arc<Bitmap>, Failure> {
+        match self.content.get(&(self.base_dir.join(name), Kind::Image { raw })) {
+            Some(Ok(Content::Image(image))) => Ok(image.clone()),
+            Some(Err(failure)) => Err(failure.clone()),
+            _ => Err((format!("`{name}` was not read"), None)),
+        }
+    }
+}
+
+/// The file that an object is made from.
+fn wanted(object: &Object) -> Option<(&str, Kind)> {
+    let kind = match (object.class, object.plugin.as_str()) {
+        (Class::Shape, "obj") => Kind::Obj,
+        (Class::Shape, "ply") => Kind::Ply,
+        (Class::Texture, "bitmap") => Kind::Image { raw: object.value("raw") == Some(&Value::Boolean(true)) },
+        (Class::Emitter, "envmap") => Kind::Image { raw: false },
+        _ => return None,
+    };
+    match object.value("filename") {
+        Some(Value::Text(name)) => Some((name, kind)),
+        _ => None,
+    }
+}
+
+fn read_one(path: &Path, kind: Kind) -> Result<Content, Failure> {
+    let bytes = read_bytes(path)?;
+    let shown = path.file_name().map_or_else(|| path.to_string_lossy(), |n| n.to_string_lossy()).into_owned();
+    let result = match kind {
+        Kind::Obj => obj::read(&bytes).map(Content::Mesh),
+        Kind::Ply => ply::read(&bytes).map(Content::Mesh),
+        Kind::Image { raw } => image::read(&bytes, raw).map(|i| Content::Image(Arc::new(i))),
+    };
+    result.map_err(|e| (format!("`{shown}`: {e}"), None))
+}
+
+/// The bytes of a regular file of a bounded size.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    let shown = path.display();
+    let meta = std::fs::metadata(path).map_err(|e| (format!("cannot read `{shown}`: {e}"), near_file(path)))?;
+    if !meta.is_file() {
+        return Err((format!("cannot read `{shown}`: it is not a file"), None));
+    }
+    if meta.len() > MOST_BYTES {
+        return Err((format!("cannot read `{shown}`: its {} bytes are more than {MOST_BYTES}", meta.len()), None));
+    }
+    std::fs::read(path).map_err(|e| (format!("cannot read `{shown}`: {e}"), None))
+}
+
+/// A file beside the missing one that may have been meant.
+fn near_file(path: &Path) -> Option<String> {
+    let name = path.file_name()?.to_str()?;
+    let directory = path.parent()?;
+    let entries = std::fs::read_dir(if directory.as_os_str().is_empty() { Path::new(".") } else { directory }).ok()?;
+    let mut names: Vec<String> =
+        entries.take(10_000).filter_map(|e| e.ok()?.file_name().into_string().ok()).collect();
+    names.sort();
+    diagnostic::nearest(name, names.iter().map(String::as_str)).map(|near| format!("did you mean `{near}`?"))
+}

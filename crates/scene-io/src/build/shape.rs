@@ -1,0 +1,183 @@
+//! Shapes.
+
+use super::{Builder, filename};
+use crate::assets::Kind;
+use crate::diagnostic::At;
+use crate::document::{Class, ObjectId, refuse_plugin};
+use crate::mesh::{self, Placement, RawMesh};
+use crate::query::Query;
+use manylight_geometry::{Disk, ShapeGeometry, Sphere, TriangleMesh};
+use manylight_math::{DAffine3, DVec3, Frame};
+use manylight_scene::{MaterialId, Shape, Source};
+use rayon::prelude::*;
+
+const SHAPES: [&str; 6] = ["obj", "ply", "rectangle", "cube", "sphere", "disk"];
+const MITSUBA: [&str; 11] = [
+    "cylinder", "serialized", "shapegroup", "instance", "bsplinecurve", "linearcurve", "sdfgrid", "merge", "ellipsoids",
+    "ellipsoidsmesh", "mesh",
+];
+
+/// A shape that is read, but whose mesh is not yet placed.
+struct Plan<'a> {
+    name: String,
+    geometry: Planned<'a>,
+    material: MaterialId,
+    radiance: Option<Source>,
+}
+
+enum Planned<'a> {
+    Ready(ShapeGeometry),
+    Mesh(&'a RawMesh, Placement, At),
+}
+
+impl<'a> Builder<'a> {
+    /// All shapes, in the order of the file; meshes are placed in parallel.
+    pub(super) fn shapes(&mut self, scene: &Query<'a>) {
+        let shapes = scene.children(Class::Shape);
+        if shapes.is_empty() && !scene.object.broken {
+            self.report.error(scene.object.at, "the scene has no shapes");
+        }
+        let plans: Vec<Plan> = shapes.iter().filter_map(|(id, _)| self.plan(*id)).collect();
+        let placed: Vec<_> = plans.par_iter().map(|p| p.geometry.place()).collect();
+        for (plan, geometry) in plans.into_iter().zip(placed) {
+            let (name, material, radiance) = (plan.name, plan.material, plan.radiance);
+            match (geometry, plan.geometry) {
+                (Ok((geometry, dropped)), planned) => {
+                    if let Planned::Mesh(raw, _, at) = planned {
+                        if dropped > 0 {
+                            self.report.warn(at, format!("`{name}`: {dropped} triangles without area are left out"));
+                        }
+                        raw.remarks.iter().for_each(|r| self.report.warn(at, format!("`{name}`: {r}")));
+                    }
+                    self.scene.shape(Shape { name, geometry, material, radiance });
+                }
+                (Err(e), Planned::Mesh(.., at)) => self.report.error(at, format!("`{name}`: {e}")),
+                (Err(e), Planned::Ready(_)) => self.report.error_nowhere(format!("`{name}`: {e}"), None),
+            }
+        }
+    }
+
+    fn plan(&mut self, id: ObjectId) -> Option<Plan<'a>> {
+        let q = self.query(id);
+        if !SHAPES.contains(&q.object.plugin.as_str()) {
+            refuse_plugin(q.object, &SHAPES, &MITSUBA, self.report);
+            return None;
+        }
+        let radiance = self.radiance(&q);
+        let emits = !q.children(Class::Emitter).is_empty();
+        let material = match q.child(Class::Bsdf) {
+            Some(id) => self.material(id),
+            None => Some(self.default_material(emits)),
+        };
+        for (_, p) in q.children(Class::Medium) {
+            self.report.error(p.at, "media are not supported yet");
+        }
+        let geometry = self.geometry(&q);
+        let file = match q.object.value("filename") {
+            Some(crate::document::Value::Text(file)) => Some(file.clone()),
+            _ => None,
+        };
+        let name = q.object.id.clone().or(file).unwrap_or_else(|| q.object.plugin.clone());
+        q.finish();
+        Some(Plan { name, geometry: geometry?, material: material?, radiance })
+    }
+
+    fn geometry(&mut self, q: &Query<'a>) -> Option<Planned<'a>> {
+        let (to_world, at) = q.to_world();
+        let flip_normals = q.boolean("flip_normals", false);
+        let ready = match q.object.plugin.as_str() {
+            "rectangle" => flat_faced(TriangleMesh::rectangle(&to_world), &to_world, flip_normals),
+            "cube" => {
+                q.ignore(&["face_normals"]);
+                flat_faced(TriangleMesh::cube(&to_world), &to_world, flip_normals)
+            }
+            "sphere" => {
+                let centre = q.point("center").unwrap_or(DVec3::ZERO);
+                let radius = q.positive("radius", 1.0);
+                let Some(sphere) = sphere(&to_world, centre, radius, flip_normals) else {
+                    self.report.error(at, "the `to_world` of a sphere must scale all axes alike");
+                    return None;
+                };
+                ShapeGeometry::Sphere(sphere)
+            }
+            "disk" => {
+                let Some(disk) = disk(&to_world, flip_normals) else {
+                    self.report.error(at, "the `to_world` of a disk must scale x and y alike");
+                    return None;
+                };
+                ShapeGeometry::Disk(disk)
+            }
+            plugin => {
+                // Image rows run downwards, and so does v: OBJ files count it upwards.
+                let (kind, flip_v) = if plugin == "obj" { (Kind::Obj, true) } else { (Kind::Ply, false) };
+                let face_normals = q.boolean("face_normals", false);
+                let flip_v = q.boolean("flip_tex_coords", flip_v);
+                let (name, at) = filename(q)?;
+                return match self.assets.mesh(name, kind) {
+                    Ok(raw) => Some(Planned::Mesh(raw, Placement { to_world, face_normals, flip_normals, flip_v }, at)),
+                    Err(failure) => {
+                        self.fail(at, failure);
+                        None
+                    }
+                };
+            }
+        };
+        Some(Planned::Ready(ready))
+    }
+}
+
+impl Planned<'_> {
+    /// The geometry, and how many triangles were dropped.
+    fn place(&self) -> Result<(ShapeGeometry, usize), String> {
+        match self {
+            Planned::Ready(geometry) => Ok((geometry.clone(), 0)),
+            Planned::Mesh(raw, placement, _) => {
+                mesh::place(raw, placement).map(|(mesh, dropped)| (ShapeGeometry::Mesh(mesh), dropped))
+            }
+        }
+    }
+}
+
+fn flat_faced(mut mesh: TriangleMesh, to_world: &DAffine3, flip_normals: bool) -> ShapeGeometry {
+    mesh::face_as_the_normals(&mut mesh, to_world);
+    if flip_normals {
+        mesh.flip_normals();
+    }
+    ShapeGeometry::Mesh(mesh)
+}
+
+/// The unit vectors along the axes of a transform; left-handed if it mirrors.
+fn axes(t: &DAffine3) -> [DVec3; 3] {
+    [t.matrix3.x_axis, t.matrix3.y_axis, t.matrix3.z_axis].map(DVec3::normalize)
+}
+
+/// `None` if the axes are not equally long and at right angles. A mirroring turns the normals, as in Mitsuba.
+fn sphere(to_world: &DAffine3, centre: DVec3, radius: f64, flip_normals: bool) -> Option<Sphere> {
+    let scale = to_world.matrix3.determinant().abs().cbrt();
+    let [s, t, n] = axes(to_world);
+    let lengths = [to_world.matrix3.x_axis, to_world.matrix3.y_axis, to_world.matrix3.z_axis].map(DVec3::length);
+    let uniform = lengths.iter().all(|l| (l / scale - 1.0).abs() < 1e-3);
+    let right = s.dot(t).abs() < 1e-3 && t.dot(n).abs() < 1e-3 && n.dot(s).abs() < 1e-3;
+    let mirrored = to_world.matrix3.determinant() < 0.0;
+    (uniform && right).then(|| Sphere {
+        centre: to_world.transform_point3(centre).as_vec3(),
+        radius: (radius * scale) as f32,
+        frame: Frame { s: s.as_vec3(), t: t.as_vec3(), n: n.as_vec3() },
+        flipped: flip_normals != mirrored,
+    })
+}
+
+/// `None` if the transform makes an ellipse of it.
+fn disk(to_world: &DAffine3, flip_normals: bool) -> Option<Disk> {
+    let m = to_world.matrix3;
+    let radius = m.x_axis.length();
+    let [s, t, _] = axes(to_world);
+    let round = (m.y_axis.length() / radius - 1.0).abs() < 1e-3 && s.dot(t).abs() < 1e-3;
+    let n = (m.inverse().transpose() * DVec3::Z).normalize();
+    let n = if flip_normals { -n } else { n };
+    round.then(|| Disk {
+        centre: to_world.translation.as_vec3(),
+        radius: radius as f32,
+        frame: Frame { s: s.as_vec3(), t: t.as_vec3(), n: n.as_vec3() },
+    })
+}
