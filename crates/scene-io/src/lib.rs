@@ -23,6 +23,8 @@ mod document;
 mod image;
 mod ior;
 mod mesh;
+#[cfg(test)]
+mod mutation;
 mod query;
 mod value;
 mod xml;
