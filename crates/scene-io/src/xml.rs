@@ -174,10 +174,10 @@ fn convert(node: roxmltree::Node, source: u32, level: usize, defines: &mut Defin
     let mut element = Element { tag, at, attributes, children: Vec::new() };
     if is_default {
         element.expect_attributes(&["name", "value"], report);
-        if let (Some(name), Some(value)) = (element.required("name", report), element.required("value", report)) {
-            if !value.unknown {
-                defines.default(&name.value, value.value.clone());
-            }
+        if let (Some(name), Some(value)) = (element.required("name", report), element.required("value", report))
+            && !value.unknown
+        {
+            defines.default(&name.value, value.value.clone());
         }
     }
     for child in node.children() {

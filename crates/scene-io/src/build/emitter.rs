@@ -157,5 +157,5 @@ fn without_scale(t: &DAffine3) -> Option<DAffine3> {
     let off = (0..3)
         .flat_map(|c| (0..3).map(move |r| (unit.col(c)[r] - DMat3::IDENTITY.col(c)[r]).abs()))
         .fold(0.0, f64::max);
-    (off < 1e-3).then(|| DAffine3 { matrix3: m, translation: DVec3::ZERO })
+    (off < 1e-3).then_some(DAffine3 { matrix3: m, translation: DVec3::ZERO })
 }
