@@ -8,9 +8,12 @@ pub mod rooms;
 
 use manylight_framework::{Film, Image, Method, Probe, Sequential};
 use manylight_recipes::{Recipe, build};
-use manylight_scene::{FilterSampler, Scene};
+use manylight_render::files::read_exr;
+use manylight_scene::{Filter, FilterSampler, Scene};
+use manylight_scene_io::{LoadOptions, load};
 use manylight_stats::Runs;
 use rayon::prelude::*;
+use std::path::{Path, PathBuf};
 
 /// One pass of a method. Panics if it fails: tests render scenes that they know.
 pub fn pass(scene: &Scene, method: &dyn Method, spp: u32, seed: u64, pass: u64) -> (Image, Probe) {
@@ -53,4 +56,52 @@ pub fn recipe(name: &str, params: &[&str], scene: &Scene) -> Recipe {
         .map(|(n, v)| (n.to_string(), v.to_string()))
         .collect();
     build(name, &pairs, scene).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A scene of the folder `scenes/` at a size, with a box filter. Panics with the loader's words if it cannot be read.
+pub fn our_scene(name: &str, size: (u32, u32)) -> Scene {
+    load_scene(&repository().join("scenes").join(name).join("scene.xml"), size)
+}
+
+/// A scene file at a size, with a box filter.
+pub fn load_scene(path: &Path, size: (u32, u32)) -> Scene {
+    let options = LoadOptions { size: Some(size), filter: Some(Filter::Box), ..LoadOptions::default() };
+    load(path, &options).unwrap_or_else(|e| panic!("{e}")).scene
+}
+
+/// The top of the repository.
+pub fn repository() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// A folder beside the repository with scenes and images from elsewhere; `None`, and a word, where it is missing: a clone alone
+/// must pass.
+pub fn shared(folder: &str) -> Option<PathBuf> {
+    let path = repository().join("../shared").join(folder);
+    if path.is_dir() {
+        return Some(path);
+    }
+    println!("skipped: there is no folder ../shared/{folder} beside the repository");
+    None
+}
+
+/// A reference image as block means with their standard errors, from `NAME.exr` and `NAME.stderr.exr` (whose pixels are
+/// independent: they are path traced).
+pub fn reference_blocks(path: &Path, grid: usize) -> (Vec<f64>, Vec<f64>) {
+    let read = |p: &Path| read_exr(p).unwrap_or_else(|e| panic!("{e}")).image;
+    let mean = read(path);
+    let mut variance = read(&path.with_extension("stderr.exr"));
+    variance.pixels.iter_mut().for_each(|p| *p *= *p);
+    let pixels = (mean.pixels.len() / (grid * grid)) as f64;
+    let errors = blocks(&variance, grid).iter().map(|v| (v / pixels).sqrt()).collect();
+    (blocks(&mean, grid), errors)
+}
+
+/// Passes of a test: `n`, times the number in the environment variable `MANYLIGHT_EFFORT` (1 if it is not set). Four times the
+/// passes see half the bias.
+pub fn effort(n: u64) -> u64 {
+    match std::env::var("MANYLIGHT_EFFORT") {
+        Ok(text) => n * text.parse::<u64>().unwrap_or_else(|_| panic!("MANYLIGHT_EFFORT={text}: expected a whole number")),
+        Err(_) => n,
+    }
 }

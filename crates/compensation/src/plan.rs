@@ -11,16 +11,14 @@ pub enum BoundPlanKind {
     None,
     /// The same always. [1/m^2]
     Fixed(f32),
-    /// b = `AUTO_SHARE` x pi x N / A, for N light paths in a scene of surface A.
+    /// b = pi N / A, for N light paths in a scene of surface A.
     ///
     /// Of N lights that share the flux Phi, one brings the irradiance G Phi / (pi N) to a surface that it faces; the scene's
-    /// mean irradiance is Phi / A. So this bound lets no light bring more than `AUTO_SHARE` of the mean irradiance, and the
-    /// distance below which light is lost, 1 / sqrt(b), shrinks with the number of paths: the bias vanishes with them.
+    /// mean irradiance is Phi / A. So this bound lets no light bring more than the mean irradiance, and the distance below which
+    /// light is lost, 1 / sqrt(b), is the radius of the disc of surface that each path has to itself. It shrinks with the number
+    /// of paths: the bias vanishes with them.
     Auto,
 }
-
-/// Part of the mean irradiance that one light may bring under `BoundPlanKind::Auto`.
-pub const AUTO_SHARE: f64 = 0.1;
 
 impl Promise for BoundPlanKind {
     fn claim(&self) -> Claim {
@@ -38,7 +36,7 @@ impl BoundingPlan for BoundPlanKind {
             BoundPlanKind::None => Bound::None,
             BoundPlanKind::Fixed(b) => Bound::Geometry(b),
             BoundPlanKind::Auto => {
-                let b = AUTO_SHARE * std::f64::consts::PI * paths.max(1) as f64 / scene.area();
+                let b = std::f64::consts::PI * paths.max(1) as f64 / scene.area();
                 if b.is_finite() { Bound::Geometry((b as f32).max(f32::MIN_POSITIVE)) } else { Bound::None }
             }
         }

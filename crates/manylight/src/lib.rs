@@ -1,1 +1,31 @@
-//! Under construction.
+//! Many-light rendering methods that compose: one name for all crates.
+//!
+//! Global illumination as a sum over virtual lights, L(x) = sum_i f(x) G(x, y_i) V(x, y_i) f(y_i) Phi_i, with each part of that
+//! sum a crate of its own. Depend on this facade to try things, on the single crates to build on one or two of them.
+//!
+//! ```
+//! use manylight::recipes;
+//! use manylight::render::{Budget, NoObserver, Settings, render};
+//! use manylight::scene_io::{LoadOptions, load};
+//! # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/furnace/scene.xml");
+//! let scene = load(file.as_ref(), &LoadOptions { size: Some((8, 8)), ..LoadOptions::default() })?.scene;
+//! let recipe = recipes::build("instant-radiosity", &[("paths".into(), "16".into())], &scene)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub use manylight_bsdf as bsdf;
+pub use manylight_compensation as compensation;
+pub use manylight_framework as framework;
+pub use manylight_geometry as geometry;
+pub use manylight_light_list as light_list;
+pub use manylight_many_lights as many_lights;
+pub use manylight_math as math;
+pub use manylight_recipes as recipes;
+pub use manylight_reference as reference;
+pub use manylight_render as render;
+pub use manylight_report as report;
+pub use manylight_sampling as sampling;
+pub use manylight_scene as scene;
+pub use manylight_scene_io as scene_io;
+pub use manylight_stats as stats;
+pub use manylight_vpl as vpl;

@@ -135,7 +135,7 @@ pub(crate) const MANY_LIGHTS: &[Param] = &[
     Param {
         name: "samples",
         kind: Kind::Integer { min: 1, max: 1 << 20 },
-        default: "16",
+        default: "64",
         unit: "",
         help: "lights that each point asks, for lights=power",
     },
@@ -151,7 +151,7 @@ pub(crate) const MANY_LIGHTS: &[Param] = &[
         kind: Kind::NumberOr(&["none", "auto"]),
         default: "auto",
         unit: "1/m^2",
-        help: "largest geometry term cos cos / d^2; `auto`: no light may bring more than a tenth of the scene's mean irradiance",
+        help: "largest geometry term cos cos / d^2; `auto`: pi paths / (surface of the scene), so that no light brings more than the mean irradiance",
     },
     Param {
         name: "compensation",
