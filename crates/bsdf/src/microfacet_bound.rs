@@ -110,9 +110,10 @@ impl Microfacets {
         };
         let stretched = (slope2 / alpha2).max(stretched_min);
         let normalisation = FRAC_1_PI / (self.alpha_u * self.alpha_v);
-        match self.distribution {
-            Distribution::Ggx => normalisation * ((1.0 + slope2) / (1.0 + stretched)).powi(2),
-            Distribution::Beckmann => normalisation * (1.0 + slope2).powi(2) * (-stretched).exp(),
-        }
+        let root = match self.distribution {
+            Distribution::Ggx => 1.0 / (1.0 + stretched),
+            Distribution::Beckmann => (-0.5 * stretched).exp(),
+        };
+        normalisation * ((1.0 + slope2) * root).powi(2)
     }
 }

@@ -40,9 +40,9 @@ impl Plastic {
     fn coat(&self, w: Vec3) -> fresnel::Interface {
         fresnel::dielectric(w.z, self.eta)
     }
-    fn probability_of_coat(&self, wi: Vec3) -> Option<f32> {
+    fn choice(&self, wi: Vec3) -> Option<Choice> {
         let coat = self.coat(wi);
-        probability_of_coat(coat.reflected, coat.transmitted, self.specular_weight)
+        Choice::new(coat.reflected, coat.transmitted, self.specular_weight)
     }
 }
 
@@ -58,11 +58,19 @@ pub(crate) fn specular_weight(diffuse: Spectrum, specular: Spectrum) -> f32 {
     let sum = diffuse.mean() + specular.mean();
     if sum > 0.0 { specular.mean() / sum } else { 0.0 }
 }
-/// Probability of choosing the specular lobe; none if neither has anything to give.
-pub(crate) fn probability_of_coat(reflected: f32, transmitted: f32, specular_weight: f32) -> Option<f32> {
-    let (specular, diffuse) = (reflected * specular_weight, transmitted * (1.0 - specular_weight));
-    let sum = specular + diffuse;
-    if sum > 0.0 { Some(specular / sum) } else { None }
+/// Probabilities of choosing either lobe. At grazing angles that of the base is small, but not nothing: it is not made
+/// of the other.
+pub(crate) struct Choice {
+    pub coat: f32,
+    pub base: f32,
+}
+impl Choice {
+    /// `None` if neither lobe has anything to give.
+    pub fn new(reflected: f32, transmitted: f32, specular_weight: f32) -> Option<Self> {
+        let (coat, base) = (reflected * specular_weight, transmitted * (1.0 - specular_weight));
+        let sum = coat + base;
+        if sum > 0.0 { Some(Choice { coat: coat / sum, base: base / sum }) } else { None }
+    }
 }
 
 impl Model for Plastic {
@@ -79,23 +87,27 @@ impl Model for Plastic {
         if !(wi.z > 0.0) {
             return 0.0;
         }
-        self.probability_of_coat(wi).map_or(0.0, |p| (1.0 - p) * warp::cosine_hemisphere_pdf(wo))
+        self.choice(wi).map_or(0.0, |choice| choice.base * warp::cosine_hemisphere_pdf(wo))
     }
     fn sample(&self, wi: Vec3, _mode: Mode, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         if !(wi.z > 0.0) {
             return None;
         }
         let coat = self.coat(wi);
-        let p = self.probability_of_coat(wi)?;
-        if u_lobe < p {
-            return Some(BsdfSample::mirror(wi, self.specular_reflectance * (coat.reflected / p), p));
+        let choice = self.choice(wi)?;
+        if u_lobe < choice.coat {
+            return Some(BsdfSample::mirror(
+                wi,
+                self.specular_reflectance * (coat.reflected / choice.coat),
+                choice.coat,
+            ));
         }
         let wo = warp::cosine_hemisphere(u);
-        if !(wo.z > 0.0 && p < 1.0) {
+        if !(wo.z > 0.0 && choice.base > 0.0) {
             return None;
         }
-        let weight = self.base * (coat.transmitted * self.coat(wo).transmitted / (1.0 - p));
-        Some(BsdfSample::smooth(wo, weight, (1.0 - p) * warp::cosine_hemisphere_pdf(wo)))
+        let weight = self.base * (coat.transmitted * self.coat(wo).transmitted / choice.base);
+        Some(BsdfSample::smooth(wo, weight, choice.base * warp::cosine_hemisphere_pdf(wo)))
     }
     fn albedo(&self, wi: Vec3) -> Spectrum {
         if !(wi.z > 0.0) {

@@ -4,7 +4,7 @@ use crate::bsdf::{BsdfSample, Lobe, Mode, Model};
 use crate::cone::Cone;
 use crate::fresnel;
 use crate::microfacet::{Microfacets, mirror};
-use crate::plastic;
+use crate::plastic::{self, Choice};
 use crate::rough_transmittance::RoughTransmittance;
 use manylight_math::{INV_PI, Spectrum, Vec2, Vec3};
 use manylight_sampling::warp;
@@ -34,9 +34,9 @@ impl RoughPlastic {
             specular_weight: plastic::specular_weight(diffuse_reflectance, specular_reflectance),
         }
     }
-    fn probability_of_coat(&self, wi: Vec3) -> Option<f32> {
+    fn choice(&self, wi: Vec3) -> Option<Choice> {
         let transmitted = self.coat.transmitted(wi.z);
-        plastic::probability_of_coat(1.0 - transmitted, transmitted, self.specular_weight)
+        Choice::new(1.0 - transmitted, transmitted, self.specular_weight)
     }
 }
 
@@ -45,22 +45,22 @@ impl Model for RoughPlastic {
     const DELTA: bool = false;
 
     fn eval(&self, wi: Vec3, wo: Vec3) -> Spectrum {
-        let Some(h) = Microfacets::half_vector(wi, wo) else { return Spectrum::BLACK };
-        let fresnel = fresnel::dielectric(wi.dot(h), self.coat.eta).reflected;
+        let Some((h, cos)) = Microfacets::half_vector(wi, wo) else { return Spectrum::BLACK };
+        let fresnel = fresnel::dielectric(cos, self.coat.eta).reflected;
         let diffuse = INV_PI * self.coat.transmitted(wi.z) * self.coat.transmitted(wo.z);
         self.specular_reflectance * (fresnel * self.coat.microfacets.reflection(wi, wo, h)) + self.base * diffuse
     }
     fn pdf_sa(&self, wi: Vec3, wo: Vec3) -> f32 {
-        let Some(h) = Microfacets::half_vector(wi, wo) else { return 0.0 };
-        let Some(p) = self.probability_of_coat(wi) else { return 0.0 };
-        p * self.coat.microfacets.reflection_pdf_sa(wi, h) + (1.0 - p) * warp::cosine_hemisphere_pdf(wo)
+        let Some((h, _)) = Microfacets::half_vector(wi, wo) else { return 0.0 };
+        let Some(choice) = self.choice(wi) else { return 0.0 };
+        choice.coat * self.coat.microfacets.reflection_pdf_sa(wi, h) + choice.base * warp::cosine_hemisphere_pdf(wo)
     }
     /// `None` where a microfacet sends the path into the surface.
     fn sample(&self, wi: Vec3, _mode: Mode, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         if !(wi.z > 0.0) {
             return None;
         }
-        let wo = if u_lobe < self.probability_of_coat(wi)? {
+        let wo = if u_lobe < self.choice(wi)?.coat {
             mirror(wi, self.coat.microfacets.sample_visible(wi, u))
         } else {
             warp::cosine_hemisphere(u)
@@ -71,7 +71,7 @@ impl Model for RoughPlastic {
         }
         Some(BsdfSample::smooth(wo, self.eval(wi, wo) * (wo.z / pdf), pdf))
     }
-    /// From tables.
+    /// From tables: within 0.001.
     fn albedo(&self, wi: Vec3) -> Spectrum {
         if !(wi.z > 0.0) {
             return Spectrum::BLACK;

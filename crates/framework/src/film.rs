@@ -131,18 +131,18 @@ impl<'s> Film<'s> {
         probe: &mut Probe,
         radiance: &dyn Fn(&Ray, &mut Probe, &mut Stream) -> Spectrum,
     ) -> Spectrum {
-        let mut sum = Spectrum::BLACK;
+        let mut sum = [0.0f64; 3]; // thousands of samples in f32 would lose what they add
         for sample in 0..self.spp {
             let mut s = self.stream(pixel, sample);
             let (ray, weight) = self.camera_ray(pixel, &mut s);
             probe.camera_rays += 1;
             let value = radiance(&ray, probe, &mut s);
             if value.is_valid() {
-                sum += value * weight;
+                (value * weight).to_array().iter().zip(&mut sum).for_each(|(c, sum)| *sum += *c as f64);
             } else {
                 probe.drop_sample(self.pass, pixel, sample);
             }
         }
-        sum / self.spp as f32
+        Spectrum::from(sum.map(|x| (x / self.spp as f64) as f32))
     }
 }

@@ -17,14 +17,16 @@ pub(crate) fn path(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeE
 }
 
 /// Without `direct`, these parameters would be read by nobody.
-const OF_THE_LIGHTS: &[&str] = &["generator", "paths", "glossy-vpls", "lights", "samples", "bound", "compensation"];
+const OF_THE_LIGHTS: &[&str] =
+    &["generator", "paths", "rr-depth", "glossy-vpls", "lights", "samples", "bound", "compensation"];
 
 pub(crate) fn many_lights(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
     let (_, max_edges) = v.depths(scene)?;
     let limit = (max_edges != u32::MAX).then_some(max_edges);
     let paths = v.integer("paths")?;
     let emission = if v.text("glossy-vpls") == "on" { Emission::Full } else { Emission::Diffuse };
-    let keller = Keller { paths, max_edges: limit, emission };
+    let certain_edges = v.integer("rr-depth")? as u32;
+    let keller = Keller { paths, max_edges: limit, certain_edges, emission };
     let generator: Box<dyn Generator<Lights = Vec<Vpl>>> = match v.text("direct") {
         "only" => {
             if let Some(name) = OF_THE_LIGHTS.iter().find(|n| v.is_given(n)) {

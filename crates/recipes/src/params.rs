@@ -112,6 +112,13 @@ pub(crate) const MANY_LIGHTS: &[Param] = &[
         help: "light paths a pass",
     },
     Param {
+        name: "rr-depth",
+        kind: Kind::Integer { min: 1, max: WHOLE },
+        default: "1",
+        unit: "edges",
+        help: "light path length from which Russian roulette may end a path",
+    },
+    Param {
         name: "glossy-vpls",
         kind: Kind::Choice(&["on", "off"]),
         default: "on",

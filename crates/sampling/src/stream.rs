@@ -33,7 +33,8 @@ pub struct Stream {
 impl Stream {
     /// `at` is \[pass, pixel or path, sample\].
     pub fn new(seed: u64, at: [u64; 3], purpose: Purpose) -> Self {
-        let key = at.iter().chain([&purpose.0]).fold(mix(seed), |h, &x| mix(h ^ mix(x)));
+        // Were `x` mixed before it is added, seed and pass would be interchangeable: mix(seed) ^ mix(pass).
+        let key = at.iter().chain([&purpose.0]).fold(mix(seed), |h, &x| mix(h ^ x));
         Stream { key, counter: 0 }
     }
     /// 64 uniform bits.
@@ -82,6 +83,18 @@ mod tests {
         assert_eq!(draw([1, 2, 3], Purpose::TEST), draw([1, 2, 3], Purpose::TEST));
         assert_ne!(draw([1, 2, 3], Purpose::TEST), draw([1, 3, 2], Purpose::TEST));
         assert_ne!(draw([1, 2, 3], Purpose::TEST), draw([1, 2, 3], Purpose::CAMERA));
+    }
+    #[test]
+    fn all_small_seeds_places_and_purposes_have_streams_of_their_own() {
+        let mut firsts = Vec::new();
+        for i in 0..8u64.pow(5) {
+            let [seed, pass, pixel, sample, purpose] = std::array::from_fn(|k| i >> (3 * k) & 7);
+            firsts.push(Stream::new(seed, [pass, pixel, sample], Purpose(purpose)).next_u64());
+        }
+        let count = firsts.len();
+        firsts.sort_unstable();
+        firsts.dedup();
+        assert_eq!(firsts.len(), count);
     }
     #[test]
     fn numbers_stay_below_one() {

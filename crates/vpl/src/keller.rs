@@ -1,7 +1,7 @@
 //! Instant radiosity's generator (Keller 1997), in its Monte Carlo form.
 
 use crate::walk::walk;
-use crate::{Step, Vpl};
+use crate::{Length, Step, Vpl};
 use manylight_bsdf::{Bsdf, Diffuse};
 use manylight_framework::{Batch, Claim, GenerateError, Generator, PathClasses, Probe, Promise};
 use manylight_scene::{Scatter, Scene};
@@ -23,6 +23,8 @@ pub struct Keller {
     pub paths: u64,
     /// Longest path from emitter to eye, in edges; `None`: no limit.
     pub max_edges: Option<u32>,
+    /// Edges before Russian roulette may end a path: 1 plays it at every vertex.
+    pub certain_edges: u32,
     /// How lights emit.
     pub emission: Emission,
 }
@@ -50,9 +52,10 @@ impl Generator for Keller {
         probe: &mut Probe,
     ) -> Result<Batch<Vec<Vpl>>, GenerateError> {
         // The connection and the eye's own edge come on top.
-        let edges = self.max_edges.map_or(u32::MAX, |m| m.saturating_sub(2));
+        let max_edges = self.max_edges.map_or(u32::MAX, |m| m.saturating_sub(2));
+        let length = Length { max_edges, certain_edges: self.certain_edges };
         let lights = walk_all(self.paths, probe, |path, probe, out| {
-            walk(scene, seed, pass, path, edges, probe, |step| out.extend(self.light(&step)));
+            walk(scene, seed, pass, path, length, probe, |step| out.extend(self.light(&step)));
         });
         Ok(Batch { lights, paths: self.paths, covers_direct: false })
     }

@@ -18,7 +18,7 @@
 //! # b.camera(Camera::perspective(DAffine3::IDENTITY, 40.0, (4, 4))?);
 //! # let scene = b.build()?;
 //! // A point light of 1 W/sr in a closed room: the first vertices of all paths carry its 4 pi W.
-//! let keller = Keller { paths: 100, max_edges: Some(3), emission: Emission::Full };
+//! let keller = Keller { paths: 100, max_edges: Some(3), certain_edges: 1, emission: Emission::Full };
 //! let batch = keller.generate(&scene, 0, 1, &mut Probe::default())?;
 //! let first: f32 = batch.lights.iter().filter(|l| l.edges == 1).map(|l| l.flux.luminance()).sum();
 //! assert!((first - 4.0 * std::f32::consts::PI).abs() < 1e-3);
@@ -37,4 +37,4 @@ pub use keller::{Emission, Keller};
 pub use kernel::{Points, connect_vertices};
 pub use sum::{NoLights, Sum};
 pub use vpl::Vpl;
-pub use walk::{Step, walk};
+pub use walk::{Length, Step, walk};

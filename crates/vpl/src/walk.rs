@@ -17,10 +17,19 @@ pub struct Step {
 }
 
 /// From this edge on the roulette never lets everything through, so that a walk ends even between white walls.
-const CERTAIN_EDGES: u32 = 16;
+const WHITE_EDGES: u32 = 16;
 const SURVIVAL: f32 = 0.95;
 
-/// Walks light path `path` of a pass for at most `max_edges` edges, and shows each hit to `visit`.
+/// How long light paths get.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Length {
+    /// Edges at most, from the emitter to the last light.
+    pub max_edges: u32,
+    /// Edges before Russian roulette begins: 1 plays it at every vertex.
+    pub certain_edges: u32,
+}
+
+/// Walks light path `path` of a pass, and shows each hit to `visit`.
 ///
 /// alpha_1 = emitted flux / density; alpha_{j+1} = alpha_j f |cos| / (pdf q_j), with q_j = min(1, lum(alpha_{j+1}) / lum(alpha_1)),
 /// the survival probability of Russian roulette, which keeps all lights of a path equally strong.
@@ -31,7 +40,7 @@ pub fn walk(
     seed: u64,
     pass: u64,
     path: u64,
-    max_edges: u32,
+    length: Length,
     probe: &mut Probe,
     mut visit: impl FnMut(Step),
 ) {
@@ -40,7 +49,7 @@ pub fn walk(
     let Some(emission) = scene.sample_emission(&mut s) else { return };
     let (mut ray, mut flux) = (emission.ray, emission.flux);
     let start = flux.luminance();
-    for edges in 1..=max_edges {
+    for edges in 1..=length.max_edges {
         if !flux.is_valid() {
             probe.broken_paths += 1;
             return;
@@ -50,12 +59,14 @@ pub fn walk(
         visit(Step { vertex, flux, edges });
         let Some(next) = vertex.sample(s.next_f32(), s.next_2d()) else { return };
         flux *= next.weight;
-        let limit = if edges < CERTAIN_EDGES { 1.0 } else { SURVIVAL };
-        let survival = (flux.luminance() / start).min(limit);
-        if !(s.next_f32() < survival) {
-            return;
+        if edges >= length.certain_edges {
+            let limit = if edges < WHITE_EDGES { 1.0 } else { SURVIVAL };
+            let survival = (flux.luminance() / start).min(limit);
+            if !(s.next_f32() < survival) {
+                return;
+            }
+            flux *= 1.0 / survival;
         }
-        flux *= 1.0 / survival;
         ray = vertex.leave(next.dir);
     }
 }

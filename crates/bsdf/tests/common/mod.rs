@@ -2,8 +2,9 @@
 #![allow(dead_code, reason = "each test binary uses its part")]
 
 use manylight_bsdf::*;
-use manylight_math::{Spectrum, Vec2, Vec3};
+use manylight_math::{DVec3, Spectrum, Vec2, Vec3};
 use manylight_sampling::{Purpose, Stream};
+use std::f64::consts::PI;
 
 pub const GOLD: (Spectrum, Spectrum) = (Spectrum::rgb(0.14, 0.37, 1.44), Spectrum::rgb(3.98, 2.39, 1.60));
 /// Saturated, and with a black channel.
@@ -57,43 +58,54 @@ pub fn draw(bsdf: &Bsdf, wi: Vec3, s: &mut Stream) -> Option<BsdfSample> {
     bsdf.sample(wi, Mode::Radiance, u_lobe, s.next_2d())
 }
 
-/// A grid over the upper hemisphere, uniform in phi and in sqrt(1 - cos): a solid angle in each cell.
+/// A grid over the upper hemisphere, even in sqrt(1 - cos) and in the cube root of the azimuth from where the mirror of
+/// `wi` is: fine where a grazing lobe is narrow.
 pub struct Grid {
     pub rows: usize,
     pub columns: usize,
+    pub wi: Vec3,
 }
 
 impl Grid {
     pub fn cells(&self) -> usize {
         self.rows * self.columns
     }
+    fn mirror_azimuth(&self) -> f64 {
+        f64::from(-self.wi.y).atan2(f64::from(-self.wi.x))
+    }
     pub fn cell(&self, w: Vec3) -> usize {
         // 1 - cos without its cancellation.
         let versine = w.truncate().length_squared() / (1.0 + w.z);
         let row = ((versine.sqrt() * self.rows as f32) as usize).min(self.rows - 1);
-        let turn = (w.y.atan2(w.x) / std::f32::consts::TAU).rem_euclid(1.0);
-        row * self.columns + ((turn * self.columns as f32) as usize).min(self.columns - 1)
+        let from_mirror = (f64::from(w.y).atan2(f64::from(w.x)) - self.mirror_azimuth() + PI).rem_euclid(2.0 * PI) - PI;
+        let t = 0.5 * (1.0 + (from_mirror / PI).cbrt());
+        row * self.columns + ((t * self.columns as f64) as usize).min(self.columns - 1)
     }
     /// Integral of `f` over solid angle in each cell, by a Gauss-Legendre rule of 5 x 5 points in each of n x n parts.
-    pub fn integrate(&self, parts: usize, f: impl Fn(Vec3) -> f64) -> Vec<f64> {
+    pub fn integrate(&self, parts: usize, f: impl Fn(Vec3) -> DVec3) -> Vec<DVec3> {
         let (rows, columns) = (self.rows * parts, self.columns * parts);
-        let mut cells = vec![0.0; self.cells()];
+        let mut cells = vec![DVec3::ZERO; self.cells()];
         for i in 0..rows {
             for j in 0..columns {
-                let mut sum = 0.0;
+                let mut sum = DVec3::ZERO;
                 for (x, weight_x) in GAUSS_5 {
                     for (y, weight_y) in GAUSS_5 {
                         let r = (i as f64 + x) / rows as f64;
-                        let phi = std::f64::consts::TAU * (j as f64 + y) / columns as f64;
+                        let t = 2.0 * (j as f64 + y) / columns as f64 - 1.0;
+                        let (sin_phi, cos_phi) = (self.mirror_azimuth() + PI * t.powi(3)).sin_cos();
                         let sin = r * (2.0 - r * r).sqrt();
-                        let w = Vec3::new((sin * phi.cos()) as f32, (sin * phi.sin()) as f32, (1.0 - r * r) as f32);
-                        sum += weight_x * weight_y * 2.0 * r * f(w);
+                        let w = DVec3::new(sin * cos_phi, sin * sin_phi, 1.0 - r * r).as_vec3();
+                        sum += f(w) * (weight_x * weight_y * 2.0 * r * 6.0 * PI * t * t);
                     }
                 }
-                cells[i / parts * self.columns + j / parts] += sum * std::f64::consts::TAU / (rows * columns) as f64;
+                cells[i / parts * self.columns + j / parts] += sum / (rows * columns) as f64;
             }
         }
         cells
+    }
+    /// `integrate`, of a scalar.
+    pub fn integrate_scalar(&self, parts: usize, f: impl Fn(Vec3) -> f32) -> Vec<f64> {
+        self.integrate(parts, |w| DVec3::splat(f64::from(f(w)))).iter().map(|cell| cell.x).collect()
     }
 }
 

@@ -1,0 +1,225 @@
+//! The command line, as data.
+
+use crate::output::did_you_mean;
+use clap::{Args, Parser, Subcommand};
+use manylight_render::files::Exposure;
+use manylight_scene::Filter;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Renders scenes with virtual point lights and other many-light methods, and compares the images.
+///
+/// Exit codes: 0 done, 1 a mistake in what was asked for, 2 a check failed, 3 interrupted (what was rendered is written).
+#[derive(Debug, Parser)]
+#[command(name = "manylight", version)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Renders a scene to an EXR image, with a PNG beside it to look at
+    Render(Render),
+    /// Says how far two images are apart
+    Diff(Diff),
+    /// Lists the methods, or describes one with its parameters
+    List(List),
+}
+
+/// Renders a scene to an EXR image, with a PNG beside it to look at.
+#[derive(Debug, Args)]
+pub struct Render {
+    /// Scene file (Mitsuba 3 XML)
+    #[arg(value_name = "SCENE.xml")]
+    pub scene: PathBuf,
+    /// Image to write; the PNG has the same name [default: the scene's name, in the current directory]
+    #[arg(short, long, value_name = "OUT.exr", value_parser = exr_path)]
+    pub output: Option<PathBuf>,
+    /// Method; `manylight list` shows them all
+    #[arg(long, value_name = "NAME", default_value = manylight_recipes::methods()[0].name)]
+    pub method: String,
+    /// Sets a parameter of the method; `manylight list NAME` shows them (may be repeated)
+    #[arg(short = 'P', value_name = "key=value", value_parser = key_value)]
+    pub parameters: Vec<(String, String)>,
+    /// Fills in $name in the scene file (may be repeated)
+    #[arg(short = 'D', value_name = "name=value", value_parser = key_value)]
+    pub defines: Vec<(String, String)>,
+    /// Renders so many passes
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), conflicts_with = "time")]
+    pub passes: Option<u64>,
+    /// Renders for about so long, such as 30s, 5m or 1.5h [default: 30s]
+    #[arg(long, value_parser = duration)]
+    pub time: Option<Duration>,
+    /// What all random numbers follow from
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Threads; the image does not depend on them [default: one for each core]
+    #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Size of the image in pixels, instead of the scene's own
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// Pixel filter, instead of the scene's own: box, tent, gaussian, mitchell, catmullrom or lanczos
+    #[arg(long, value_name = "NAME", value_parser = filter)]
+    pub filter: Option<Filter>,
+    /// Exposure of the PNG: radiance is multiplied by 2^EV; auto finds a fitting one
+    #[arg(long, value_name = "EV|auto", default_value = "auto", allow_hyphen_values = true, value_parser = exposure)]
+    pub exposure: Exposure,
+    /// Writes what was done and counted as JSON
+    #[arg(long, value_name = "OUT.json")]
+    pub stats: Option<PathBuf>,
+    /// Prints warnings and errors only
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Says how far two images are apart.
+#[derive(Debug, Args)]
+pub struct Diff {
+    /// Image to judge
+    #[arg(value_name = "A.exr")]
+    pub image: PathBuf,
+    /// Reference
+    #[arg(value_name = "B.exr")]
+    pub reference: PathBuf,
+    /// Prints JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Ends with exit code 2 if the relative mean squared error is above this
+    #[arg(long, value_name = "RELMSE", value_parser = positive)]
+    pub fail_above: Option<f64>,
+}
+
+/// Lists the methods, or describes one with its parameters.
+#[derive(Debug, Args)]
+pub struct List {
+    /// Method to describe
+    #[arg(value_name = "NAME")]
+    pub method: Option<String>,
+}
+
+/// The budget where none is asked for.
+pub const DEFAULT_TIME: Duration = Duration::from_secs(30);
+
+fn exr_path(s: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(s);
+    match path.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("exr") => Ok(path),
+        _ => Err("the name must end in .exr (a PNG is written beside it)".into()),
+    }
+}
+
+fn key_value(s: &str) -> Result<(String, String), String> {
+    match s.split_once('=') {
+        Some((key, value)) if !key.is_empty() => Ok((key.into(), value.into())),
+        _ => Err("expected name=value".into()),
+    }
+}
+
+/// `30s`, `5m`, `1.5h`, `250ms`; a number alone is refused, since nobody knows of what.
+fn duration(s: &str) -> Result<Duration, String> {
+    let expected = || "expected a number and a unit, such as 30s, 5m or 1.5h".to_string();
+    let digits = s.find(|c: char| c.is_ascii_alphabetic()).ok_or_else(expected)?;
+    let (number, unit) = s.split_at(digits);
+    let seconds = match unit {
+        "ms" => 1e-3,
+        "s" => 1.0,
+        "m" | "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(expected()),
+    };
+    let number: f64 = number.trim_end().parse().map_err(|_| expected())?;
+    match Duration::try_from_secs_f64(number * seconds) {
+        Ok(time) if !time.is_zero() => Ok(time),
+        Ok(_) => Err("a time must be above zero".into()),
+        Err(_) => Err(expected()),
+    }
+}
+
+fn size(s: &str) -> Result<(u32, u32), String> {
+    let size = s.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    match size {
+        Some((w, h)) if (1..=65_536).contains(&w) && (1..=65_536).contains(&h) => Ok((w, h)),
+        _ => Err("expected width x height in pixels, such as 640x360, at most 65536 each".into()),
+    }
+}
+
+/// By the names, and with the widths, that Mitsuba 3 gives them.
+fn filter(s: &str) -> Result<Filter, String> {
+    const THIRD: f32 = 1.0 / 3.0;
+    let filters = [
+        ("box", Filter::Box),
+        ("tent", Filter::Tent { radius: 1.0 }),
+        ("gaussian", Filter::Gaussian { stddev: 0.5 }),
+        ("mitchell", Filter::Mitchell { b: THIRD, c: THIRD }),
+        ("catmullrom", Filter::CatmullRom),
+        ("lanczos", Filter::Lanczos { lobes: 3.0 }),
+    ];
+    let found = filters.iter().find(|(name, _)| *name == s).map(|(_, filter)| *filter);
+    found.ok_or_else(|| {
+        let names = filters.map(|(name, _)| name);
+        format!("there is no such filter{}; expected {}", did_you_mean(s, names.into_iter()), names.join(", "))
+    })
+}
+
+fn exposure(s: &str) -> Result<Exposure, String> {
+    if s == "auto" {
+        return Ok(Exposure::Auto);
+    }
+    match s.parse() {
+        Ok(ev) if f32::is_finite(ev) => Ok(Exposure::Ev(ev)),
+        _ => Err("expected a number, such as -1.5, or auto".into()),
+    }
+}
+
+fn positive(s: &str) -> Result<f64, String> {
+    match s.parse() {
+        Ok(x) if x >= 0.0 && f64::is_finite(x) => Ok(x),
+        _ => Err("expected a number that is not negative".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_well_formed() {
+        Cli::command().debug_assert();
+    }
+    #[test]
+    fn durations_have_a_unit() {
+        let seconds = |s| duration(s).map(|d| d.as_secs_f64());
+        assert_eq!(seconds("30s"), Ok(30.0));
+        assert_eq!(seconds("5m"), Ok(300.0));
+        assert_eq!(seconds("1.5h"), Ok(5400.0));
+        assert_eq!(seconds("250ms"), Ok(0.25));
+        for wrong in ["30", "s", "", "-1s", "0s", "1d", "infs", "1e300h", "5m3s", "nans"] {
+            assert!(duration(wrong).is_err(), "{wrong}");
+        }
+    }
+    #[test]
+    fn sizes_exposures_and_pairs_are_read_or_refused() {
+        assert_eq!(size("640x360"), Ok((640, 360)));
+        assert!(["640", "0x3", "3x0", "x", "1e3x2", "99999999x1"].iter().all(|s| size(s).is_err()));
+        assert_eq!(exposure("-1.5"), Ok(Exposure::Ev(-1.5)));
+        assert_eq!(exposure("auto"), Ok(Exposure::Auto));
+        assert!(["nan", "inf", "bright", ""].iter().all(|s| exposure(s).is_err()));
+        assert_eq!(filter("tent"), Ok(Filter::Tent { radius: 1.0 }));
+        assert!(filter("guassian").unwrap_err().contains("did you mean `gaussian`?"));
+        assert_eq!(key_value("a=b=c"), Ok(("a".into(), "b=c".into())));
+        assert!(key_value("a").is_err() && key_value("=a").is_err());
+        assert!(exr_path("a.png").is_err() && exr_path("exr").is_err() && exr_path("a.EXR").is_ok());
+    }
+    #[test]
+    fn options_that_contradict_each_other_are_refused() {
+        let parse = |args: &str| Cli::try_parse_from(args.split(' ')).map(drop);
+        assert!(parse("manylight render a.xml --passes 3 --exposure -1").is_ok());
+        assert!(parse("manylight render a.xml --passes 3 --time 3s").is_err());
+        assert!(parse("manylight render a.xml --passes 0").is_err());
+    }
+}

@@ -1,0 +1,172 @@
+//! `manylight render`.
+
+use crate::args::{DEFAULT_TIME, Render};
+use crate::failure::Failure;
+use crate::output::say;
+use crate::progress::Report;
+use crate::{interrupt, units};
+use manylight_recipes::Recipe;
+use manylight_render::files::{self, Picture};
+use manylight_render::{Budget, Rendering, Settings, Stats, Subject};
+use manylight_scene::Scene;
+use manylight_scene_io::LoadOptions;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Renders a scene, and writes the image, the PNG beside it and the statistics.
+pub fn run(args: &Render) -> Result<(), Failure> {
+    let target = Target::new(args)?;
+    let cancel = interrupt::flag()?;
+    let start = Instant::now();
+    let scene = load(args)?;
+    let load = start.elapsed();
+    let start = Instant::now();
+    let recipe = manylight_recipes::build(&args.method, &args.parameters, &scene)?;
+    let build = start.elapsed();
+    warn(&recipe.warnings);
+
+    let settings =
+        Settings { budget: budget(args), seed: args.seed, spp: recipe.spp, threads: args.threads.map(usize::from) };
+    if !args.quiet {
+        announce(args, &recipe, &scene, settings.budget);
+    }
+    let mut report = Report::new(settings.budget, args.quiet);
+    let rendering = manylight_render::render(&scene, &*recipe.method, &settings, &mut report, &cancel)?;
+    report.finish();
+
+    let subject = Subject {
+        method: recipe.name.into(),
+        parameters: recipe.parameters,
+        claim: recipe.claim.to_string(),
+        scene_hash: scene.hash(),
+        load,
+        build,
+    };
+    let stats = Stats::new(&subject, &settings, &rendering);
+    let ev = target.write(&rendering, &stats, args)?;
+    warn_of_rare_events(&stats);
+    if !args.quiet {
+        summarise(&target, &rendering, &stats, ev);
+    }
+    if rendering.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+fn budget(args: &Render) -> Budget {
+    match args.passes {
+        Some(passes) => Budget::Passes(passes),
+        None => Budget::Time(args.time.unwrap_or(DEFAULT_TIME)),
+    }
+}
+
+fn load(args: &Render) -> Result<Scene, Failure> {
+    let options = LoadOptions { defines: args.defines.clone(), size: args.size, filter: args.filter };
+    let loaded = manylight_scene_io::load(&args.scene, &options).map_err(Failure::mistake)?;
+    warn(&loaded.warnings);
+    Ok(loaded.scene)
+}
+
+fn warn(warnings: &[impl std::fmt::Display]) {
+    for warning in warnings {
+        eprintln!("warning: {warning}");
+    }
+}
+
+fn announce(args: &Render, recipe: &Recipe, scene: &Scene, budget: Budget) {
+    let (width, height) = scene.camera().size;
+    let budget = match budget {
+        Budget::Passes(1) => "1 pass".into(),
+        Budget::Passes(n) => format!("{n} passes"),
+        Budget::Time(time) if args.time.is_none() => format!("{} (the default; see --time)", units::time(time)),
+        Budget::Time(time) => units::time(time),
+    };
+    say(format!("{}: {width}x{height} pixels, method {}, {budget}", args.scene.display(), recipe.name));
+}
+
+/// The files to be written.
+struct Target {
+    exr: PathBuf,
+    png: PathBuf,
+    stats: Option<PathBuf>,
+}
+
+impl Target {
+    /// Finds out whether everything can be written before anything is rendered.
+    fn new(args: &Render) -> Result<Self, Failure> {
+        let exr = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
+        let target = Target { png: exr.with_extension("png"), exr, stats: args.stats.clone() };
+        target.paths().try_for_each(files::check_writable)?;
+        Ok(target)
+    }
+    fn paths(&self) -> impl Iterator<Item = &Path> {
+        [&self.exr, &self.png].into_iter().chain(&self.stats).map(PathBuf::as_path)
+    }
+    /// Writes them all, and returns the exposure of the PNG.
+    fn write(&self, rendering: &Rendering, stats: &Stats, args: &Render) -> Result<f32, Failure> {
+        let picture = Picture {
+            image: rendering.image.clone(),
+            standard_error: rendering.standard_error.clone(),
+            attributes: stats.attributes(),
+        };
+        files::write_exr(&self.exr, &picture)?;
+        let ev = files::write_png(&self.png, &picture.image, args.exposure)?;
+        if let Some(path) = &self.stats {
+            stats.write(path)?;
+        }
+        Ok(ev)
+    }
+}
+
+/// In the current directory, with the name of the scene file; where that is `scene.xml`, with the name of its directory.
+fn default_output(scene: &Path) -> PathBuf {
+    let whole = scene.canonicalize().unwrap_or_else(|_| scene.into());
+    let directory = whole.parent().and_then(Path::file_name);
+    let name = match (whole.file_stem(), directory) {
+        (Some(stem), Some(directory)) if stem == "scene" => directory,
+        (Some(stem), _) => stem,
+        (None, _) => "image".as_ref(),
+    };
+    let mut name = name.to_os_string();
+    name.push(".exr");
+    name.into()
+}
+
+fn warn_of_rare_events(stats: &Stats) {
+    let lost = &stats.non_finite;
+    if lost.count > 0 {
+        let places: Vec<String> = lost.first.iter().map(ToString::to_string).collect();
+        let first = places.join("; ");
+        eprintln!("warning: {} samples were NaN, infinite or negative and count as black (first: {first})", lost.count);
+    }
+}
+
+fn summarise(target: &Target, rendering: &Rendering, stats: &Stats, ev: f32) {
+    let files: Vec<String> = target.paths().map(|path| path.display().to_string()).collect();
+    say(format!("wrote {} (exposure of the PNG: {ev:+.1} EV)", files.join(", ")));
+    let passes = match stats.passes {
+        0 => "part of the first pass".into(),
+        1 => "1 pass".into(),
+        n => format!("{n} passes"),
+    };
+    let time = |seconds| units::time(Duration::from_secs_f64(seconds));
+    let spent = units::time(rendering.elapsed);
+    say(format!("{passes} in {spent} ({} for light paths and trees)", time(stats.seconds.generate)));
+    let [camera, path, shadow, lights] =
+        [stats.rays.camera, stats.rays.path, stats.rays.shadow, stats.lights].map(|n| units::count(n as f64));
+    say(format!("rays: {camera} camera, {path} path, {shadow} shadow; virtual lights: {lights}"));
+    match stats.estimated_error {
+        Some(error) => say(format!("estimated relMSE by noise: {error:.2e}")),
+        None => say("the noise of a single pass is unknown"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_image_is_named_after_the_scene() {
+        assert_eq!(default_output(Path::new("scenes/cornell-box/scene.xml")), Path::new("cornell-box.exr"));
+        assert_eq!(default_output(Path::new("dir/ajar.xml")), Path::new("ajar.exr"));
+        assert_eq!(default_output(Path::new("/scene.xml")), Path::new("scene.exr"));
+    }
+}
