@@ -5,7 +5,7 @@ use crate::mesh::{RawMesh, obj, ply};
 use crate::{diagnostic, image};
 use manylight_scene::Bitmap;
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -44,7 +44,7 @@ impl Assets {
     /// Reads every mesh and image that the document names.
     pub(crate) fn read(document: &Document, base_dir: &Path) -> Self {
         let mut keys: Vec<Key> = Vec::new();
-        let mut known = std::collections::HashSet::new();
+        let mut known = HashSet::new();
         for object in document.objects() {
             if let Some((name, kind)) = wanted(object) {
                 let key = (base_dir.join(name), kind);
@@ -54,12 +54,8 @@ impl Assets {
             }
         }
         let content: Vec<_> = keys.par_iter().map(|(path, kind)| read_one(path, *kind)).collect();
-        let mut paths: Vec<PathBuf> = Vec::new();
-        for ((path, _), content) in keys.iter().zip(&content) {
-            if content.is_ok() && !paths.contains(path) {
-                paths.push(path.clone());
-            }
-        }
+        let mut listed = HashSet::new();
+        let paths = keys.iter().map(|(path, _)| path.clone()).filter(|path| listed.insert(path.clone())).collect();
         Assets { base_dir: base_dir.to_owned(), content: keys.into_iter().zip(content).collect(), paths }
     }
     pub(crate) fn mesh(&self, name: &str, kind: Kind) -> Result<&RawMesh, Failure> {

@@ -77,10 +77,17 @@ struct Found {
     help: Option<String>,
 }
 
+struct SourceText {
+    path: PathBuf,
+    text: String,
+    /// Where each line starts.
+    lines: Vec<usize>,
+}
+
 /// Collects the texts that were read, and the mistakes and warnings about them.
 #[derive(Default)]
 pub(crate) struct Report {
-    sources: Vec<(PathBuf, String)>,
+    sources: Vec<SourceText>,
     found: RefCell<Vec<Found>>,
     warnings: RefCell<Vec<String>>,
 }
@@ -88,11 +95,12 @@ pub(crate) struct Report {
 impl Report {
     /// Takes a text in; its number goes into every `At`.
     pub(crate) fn add_source(&mut self, path: &Path, text: String) -> u32 {
-        self.sources.push((path.to_owned(), text));
+        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
+        self.sources.push(SourceText { path: path.to_owned(), text, lines });
         (self.sources.len() - 1) as u32
     }
     pub(crate) fn text(&self, source: u32) -> &str {
-        &self.sources[source as usize].1
+        &self.sources[source as usize].text
     }
     pub(crate) fn error(&self, at: At, message: impl Into<String>) {
         self.found.borrow_mut().push(Found { at: Some(at), message: message.into(), help: None });
@@ -106,13 +114,17 @@ impl Report {
     }
     pub(crate) fn warn(&self, at: At, message: impl fmt::Display) {
         let (line, col, ..) = self.locate(at);
-        let file = self.sources[at.source as usize].0.display();
+        let file = self.sources[at.source as usize].path.display();
         self.warnings.borrow_mut().push(format!("{file}:{line}:{col}: {message}"));
     }
-    /// "line 3" (with the file's name if it is another one than that of `from`): for "first used at ..".
+    /// "file:line:col", for "first at ..".
     pub(crate) fn place(&self, at: At) -> String {
         let (line, col, ..) = self.locate(at);
-        format!("{}:{line}:{col}", self.sources[at.source as usize].0.display())
+        format!("{}:{line}:{col}", self.sources[at.source as usize].path.display())
+    }
+    /// Is it worth while to look for what was meant? (Not for those that will not be listed.)
+    pub(crate) fn wants_help(&self) -> bool {
+        self.found.borrow().len() < 2 * MOST_LISTED
     }
     pub(crate) fn has_errors(&self) -> bool {
         !self.found.borrow().is_empty()
@@ -126,7 +138,7 @@ impl Report {
         found.sort_by_key(|f| f.at);
         found.dedup_by(|a, b| a.at == b.at && a.message == b.message);
         let further = found.len().saturating_sub(MOST_LISTED);
-        let file = self.sources.first().map(|s| s.0.clone()).unwrap_or_default();
+        let file = self.sources.first().map(|s| s.path.clone()).unwrap_or_default();
         let nowhere = |message, help| Diagnostic {
             file: file.clone(),
             line: 0,
@@ -143,7 +155,7 @@ impl Report {
                 None => nowhere(f.message, f.help),
                 Some(at) => {
                     let (line, col, source_line, caret) = self.locate(at);
-                    let file = self.sources[at.source as usize].0.clone();
+                    let file = self.sources[at.source as usize].path.clone();
                     Diagnostic { file, line, col, source_line, caret, message: f.message, help: f.help }
                 }
             })
@@ -157,13 +169,14 @@ impl Report {
     fn locate(&self, at: At) -> (u32, u32, String, usize) {
         let text = self.text(at.source);
         let offset = floor_char_boundary(text, at.offset);
-        let start = text[..offset].rfind('\n').map_or(0, |i| i + 1);
-        let line = 1 + text[..start].bytes().filter(|&b| b == b'\n').count() as u32;
+        let lines = &self.sources[at.source as usize].lines;
+        let line = lines.partition_point(|&start| start <= offset);
+        let start = lines[line - 1];
         let end = text[offset..].find('\n').map_or(text.len(), |i| offset + i);
         let before = text[start..offset].chars().count();
         let skip = if before < WINDOW { 0 } else { before - WINDOW / 2 };
         let window: String = text[start..end].trim_end_matches('\r').chars().skip(skip).take(WINDOW).collect();
-        (line, before as u32 + 1, window, before - skip)
+        (line as u32, before as u32 + 1, window, before - skip)
     }
 }
 
@@ -180,6 +193,9 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
     let length = snake.chars().count();
     let most = if length < 4 { 1 } else { (length / 3).max(2) };
     let near = candidates.into_iter().filter_map(|candidate| {
+        if candidate.len().abs_diff(snake.len()) > 4 * most {
+            return None; // Spares the table; four bytes a character at most.
+        }
         let lower = candidate.to_lowercase();
         let distance = strsim::osa_distance(&snake, &lower);
         // Two slips and another first letter: that is another word.

@@ -156,7 +156,8 @@ impl Document {
                 if let Some(target) = ids.get(id) {
                     p.value = Value::Object(*target);
                 } else {
-                    let help = match nearest(id, ids.keys().map(String::as_str)) {
+                    let near = report.wants_help().then(|| nearest(id, ids.keys().map(String::as_str))).flatten();
+                    let help = match near {
                         Some(near) => format!("did you mean `{near}`?"),
                         None => "give an object this `id`".into(),
                     };

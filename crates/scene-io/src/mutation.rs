@@ -115,7 +115,7 @@ fn mutated_scenes_are_read_or_refused() {
             }
         }
     };
-    let accepted = storm(3000, &[SCENE.into()], &words, read);
+    let accepted = storm(10_000, &[SCENE.into()], &words, read);
     assert!(accepted > 30, "{accepted}: the mutations are too coarse to get far");
 }
 
@@ -140,7 +140,7 @@ fn mutated_meshes_are_read_or_refused() {
         "#",
         "\u{fffd}",
     ];
-    let accepted = storm(6000, &[cube.into()], &words, |b| obj::read(b).is_ok());
+    let accepted = storm(40_000, &[cube.into()], &words, |b| obj::read(b).is_ok());
     assert!(accepted > 100, "{accepted}");
 
     let head = |format: &str, index: &str| {
@@ -176,7 +176,7 @@ fn mutated_meshes_are_read_or_refused() {
         "uchar",
         "end_header\n",
     ];
-    let accepted = storm(6000, &[binary, ascii.into_bytes()], &words, |b| ply::read(b).is_ok());
+    let accepted = storm(40_000, &[binary, ascii.into_bytes()], &words, |b| ply::read(b).is_ok());
     assert!(accepted > 100, "{accepted}");
 }
 
@@ -217,7 +217,7 @@ fn mutated_images_are_read_or_refused() {
         "dataWindow",
         "channels",
     ];
-    let accepted = storm(4000, &seeds, &words, |b| image::read(b, false).is_ok());
+    let accepted = storm(12_000, &seeds, &words, |b| image::read(b, false).is_ok());
     assert!(accepted > 100, "{accepted}");
 }
 

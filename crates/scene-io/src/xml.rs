@@ -105,7 +105,9 @@ impl Defines {
                 }
                 None => {
                     let name = &rest[..run];
-                    let help = match nearest(name, self.values.keys().map(String::as_str)) {
+                    let near =
+                        report.wants_help().then(|| nearest(name, self.values.keys().map(String::as_str))).flatten();
+                    let help = match near {
                         Some(near) => format!("did you mean `${near}`?"),
                         None => format!("write <default name=\"{name}\" value=\"..\"/> above, or give -D {name}=.."),
                     };

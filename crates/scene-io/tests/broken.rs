@@ -98,6 +98,7 @@ fn each_mistake_has_its_place_and_says_what_to_do() {
         ("<emitter type=\"point\"><rgb name=\"intensity\" value=\"-1 0 0\"/></emitter>", 2, 52, "`intensity` must not be negative", ""),
         ("<emitter type=\"point\"><point name=\"position\" value=\"1\"/><transform name=\"to_world\"/></emitter>", 2, 16, "give either `position` or `to_world`", ""),
         ("<emitter type=\"directional\"><vector name=\"direction\" value=\"0\"/></emitter>", 2, 29, "`direction` must not be zero", ""),
+        ("<medium type=\"homogeneous\" id=\"fog\"/>", 2, 1, "media are not supported yet", ""),
         // The camera.
         ("<sensor type=\"perspective\"><float name=\"fov\" value=\"180\"/></sensor>", 2, 53, "`fov` must lie between 0 and 180", ""),
         ("<sensor type=\"perspective\"><string name=\"focal_length\" value=\"long\"/></sensor>", 2, 63, "`long` is not a focal length", ""),
@@ -203,14 +204,12 @@ fn a_missing_scene_file_and_a_folder_are_said_to_be_that() {
 fn broken_meshes_and_images_are_errors_where_they_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
-    write("flat.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
     write("range.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
     write("cut.ply", b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\nxx");
     write("not.png", b"hello");
     write("cut.png", &[0x89, b'P', b'N', b'G', 13, 10, 26, 10, 0, 0]);
     write("cut.exr", &[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0]);
     for (plugin, file, want) in [
-        ("shape type=\"obj\"", "flat.obj", "none of the mesh's 1 triangles has an area"),
         ("shape type=\"obj\"", "range.obj", "line 4: a face names number 4 of 3 vertices"),
         ("shape type=\"ply\"", "cut.ply", "Unexpected end of file"),
         ("texture type=\"bitmap\"", "not.png", "not an image of a supported format"),
@@ -225,4 +224,34 @@ fn broken_meshes_and_images_are_errors_where_they_are_named() {
         assert_eq!((errors.0.len(), errors.0[0].line, errors.0[0].col), (1, 3, 32), "{errors}");
         assert!(errors.0[0].message.contains(want) && errors.0[0].message.contains(file), "{errors}");
     }
+}
+
+#[test]
+fn triangles_without_area_are_left_out_with_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    write("half.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n");
+    let shape = |file: &str| format!("\n<shape type=\"obj\"><string name=\"filename\" value=\"{file}\"/></shape>");
+    let text = format!(
+        "<scene version=\"3.0.0\"><sensor type=\"perspective\"/>{}{}</scene>",
+        shape("flat.obj"),
+        shape("half.obj")
+    );
+    let loaded = parse(&text, Path::new("t.xml"), folder.path(), &LoadOptions::default()).unwrap();
+    let want = [
+        "t.xml:2:50: `flat.obj`: none of its 1 triangles has an area: it is left out",
+        "t.xml:3:50: `half.obj`: 1 triangles without area are left out",
+    ];
+    assert_eq!(loaded.warnings, want);
+    assert_eq!(loaded.scene.geometry().primitive_count(), 1);
+}
+
+#[test]
+fn thousands_of_mistakes_are_counted_in_a_moment() {
+    let refs = (0..20_000).map(|i| format!("<bsdf type=\"twosided\" id=\"here{i}\"><ref id=\"there{i}\"/></bsdf>\n"));
+    let start = std::time::Instant::now();
+    let errors = errors_of(&refs.collect::<String>());
+    assert_eq!(errors.last().map(|e| e.message.as_str()), Some("and 19900 further mistakes"));
+    assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
 }

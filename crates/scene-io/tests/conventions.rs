@@ -256,6 +256,15 @@ fn films_and_integrators_have_mitsubas_defaults() {
 }
 
 #[test]
+fn size_and_filter_from_outside_win_over_the_file() {
+    let text = "<scene version=\"3.0.0\"><shape type=\"sphere\"/><sensor type=\"perspective\"><film type=\"hdrfilm\">\
+                <integer name=\"width\" value=\"64\"/><rfilter type=\"tent\"/></film></sensor></scene>";
+    let options = LoadOptions { size: Some((20, 10)), filter: Some(Filter::Box), ..LoadOptions::default() };
+    let loaded = parse(text, Path::new("t.xml"), Path::new("."), &options).unwrap();
+    assert_eq!((loaded.scene.camera().size, loaded.scene.filter()), ((20, 10), Filter::Box));
+}
+
+#[test]
 fn environments_are_mitsubas() {
     let folder = tempfile::tempdir().unwrap();
     // Pixel (x, y) is (y, x, 1).

@@ -67,6 +67,9 @@ pub(crate) fn build(document: &Document, report: &Report, assets: &Assets, optio
     for (id, _) in scene.children(Class::Bsdf) {
         b.material(id);
     }
+    for (_, p) in scene.children(Class::Medium) {
+        report.error(p.at, "media are not supported yet");
+    }
     b.shapes(&scene);
     b.emitters(&scene);
     scene.finish();

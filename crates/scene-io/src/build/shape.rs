@@ -35,7 +35,7 @@ struct Plan<'a> {
 }
 
 enum Planned<'a> {
-    Ready(ShapeGeometry),
+    Ready(ShapeGeometry, At),
     Mesh(&'a RawMesh, Placement, At),
 }
 
@@ -48,21 +48,32 @@ impl<'a> Builder<'a> {
         }
         let plans: Vec<Plan> = shapes.iter().filter_map(|(id, _)| self.plan(*id)).collect();
         let placed: Vec<_> = plans.par_iter().map(|p| p.geometry.place()).collect();
-        for (plan, geometry) in plans.into_iter().zip(placed) {
-            let (name, material, radiance) = (plan.name, plan.material, plan.radiance);
-            match (geometry, plan.geometry) {
-                (Ok((geometry, dropped)), planned) => {
-                    if let Planned::Mesh(raw, _, at) = planned {
-                        if dropped > 0 {
-                            self.report.warn(at, format!("`{name}`: {dropped} triangles without area are left out"));
-                        }
-                        raw.remarks.iter().for_each(|r| self.report.warn(at, format!("`{name}`: {r}")));
-                    }
-                    self.scene.shape(Shape { name, geometry, material, radiance });
-                }
-                (Err(e), Planned::Mesh(.., at)) => self.report.error(at, format!("`{name}`: {e}")),
-                (Err(e), Planned::Ready(_)) => self.report.error_nowhere(format!("`{name}`: {e}"), None),
+        for (plan, placed) in plans.into_iter().zip(placed) {
+            self.place(plan, placed);
+        }
+    }
+
+    fn place(&mut self, plan: Plan<'a>, placed: Result<(Option<ShapeGeometry>, usize), String>) {
+        let Plan { name, geometry: planned, material, radiance } = plan;
+        let at = match planned {
+            Planned::Mesh(raw, _, at) => {
+                raw.remarks.iter().for_each(|r| self.report.warn(at, format!("`{name}`: {r}")));
+                at
             }
+            Planned::Ready(_, at) => at,
+        };
+        match placed {
+            Ok((Some(geometry), dropped)) => {
+                if dropped > 0 {
+                    self.report.warn(at, format!("`{name}`: {dropped} triangles without area are left out"));
+                }
+                self.scene.shape(Shape { name, geometry, material, radiance });
+            }
+            // Real scenes have such meshes (flat labels and the like).
+            Ok((None, all)) => {
+                self.report.warn(at, format!("`{name}`: none of its {all} triangles has an area: it is left out"))
+            }
+            Err(e) => self.report.error(at, format!("`{name}`: {e}")),
         }
     }
 
@@ -131,17 +142,17 @@ impl<'a> Builder<'a> {
                 };
             }
         };
-        Some(Planned::Ready(ready))
+        Some(Planned::Ready(ready, q.object.at))
     }
 }
 
 impl Planned<'_> {
-    /// The geometry, and how many triangles were dropped.
-    fn place(&self) -> Result<(ShapeGeometry, usize), String> {
+    /// The geometry, if any of it has an area, and how many triangles were dropped.
+    fn place(&self) -> Result<(Option<ShapeGeometry>, usize), String> {
         match self {
-            Planned::Ready(geometry) => Ok((geometry.clone(), 0)),
+            Planned::Ready(geometry, _) => Ok((Some(geometry.clone()), 0)),
             Planned::Mesh(raw, placement, _) => {
-                mesh::place(raw, placement).map(|(mesh, dropped)| (ShapeGeometry::Mesh(mesh), dropped))
+                mesh::place(raw, placement).map(|(mesh, dropped)| (mesh.map(ShapeGeometry::Mesh), dropped))
             }
         }
     }

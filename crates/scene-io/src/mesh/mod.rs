@@ -53,9 +53,9 @@ pub(crate) struct Placement {
     pub(crate) flip_v: bool,
 }
 
-/// Transforms, drops triangles without area (their number is returned), completes normals. As Mitsuba 3: the file's normals,
-/// or smooth ones where it has none, or with `face_normals` none at all.
-pub(crate) fn place(raw: &RawMesh, placement: &Placement) -> Result<(TriangleMesh, usize), String> {
+/// Transforms, drops triangles without area (their number is returned; no mesh if all are), completes normals. As Mitsuba 3:
+/// the file's normals, or smooth ones where it has none, or with `face_normals` none at all.
+pub(crate) fn place(raw: &RawMesh, placement: &Placement) -> Result<(Option<TriangleMesh>, usize), String> {
     let mut mesh = TriangleMesh {
         positions: raw.positions.clone(),
         normals: if placement.face_normals { Vec::new() } else { raw.normals.clone() },
@@ -77,7 +77,7 @@ pub(crate) fn place(raw: &RawMesh, placement: &Placement) -> Result<(TriangleMes
     });
     let dropped = raw.triangles.len() - mesh.triangles.len();
     if mesh.triangles.is_empty() {
-        return Err(format!("none of the mesh's {dropped} triangles has an area"));
+        return Ok((None, dropped));
     }
     if mesh.normals.iter().any(|n| n.length_squared() < 0.5) {
         mesh.normals.clear(); // A zero normal is none.
@@ -91,7 +91,7 @@ pub(crate) fn place(raw: &RawMesh, placement: &Placement) -> Result<(TriangleMes
         mesh.flip_normals();
     }
     mesh.validate().map_err(|e| e.to_string())?;
-    Ok((mesh, dropped))
+    Ok((Some(mesh), dropped))
 }
 
 /// A mirroring transform turns the winding, but not the normals that were given: the winding has to follow them.
