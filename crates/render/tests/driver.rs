@@ -202,6 +202,20 @@ fn cancelled_in_the_first_pass_the_part_that_is_done_is_the_result() {
     assert_eq!(rendering.probe.camera_rays, 2 * done as u64);
 }
 #[test]
+fn whoever_cancels_does_not_wait_for_a_tile() {
+    let cancel = AtomicBool::new(false);
+    let method = Toy(|film: &mut Film, probe: &mut Probe| {
+        film.fill(probe, &|_, _, _| {
+            cancel.store(true, Relaxed);
+            Spectrum::ONE
+        });
+        Ok(())
+    });
+    let one_thread = Settings { threads: Some(1), ..settings(Budget::Passes(5)) };
+    let rendering = render(&scene(), &method, &one_thread, &mut |_: &Progress| (), &cancel).unwrap();
+    assert_eq!(rendering.image.pixels.iter().filter(|p| **p == Spectrum::ONE).count(), 1);
+}
+#[test]
 fn cancelled_before_it_begins_it_ends_with_a_black_image() {
     let rendering =
         render(&scene(), &Noise, &settings(Budget::Passes(5)), &mut |_: &Progress| (), &AtomicBool::new(true));
