@@ -71,7 +71,7 @@ impl Model for RoughPlastic {
         }
         Some(BsdfSample::smooth(wo, self.eval(wi, wo) * (wo.z / pdf), pdf))
     }
-    /// From tables: within 0.005.
+    /// From tables: within 0.001.
     fn albedo(&self, wi: Vec3) -> Spectrum {
         if !(wi.z > 0.0) {
             return Spectrum::BLACK;

@@ -27,7 +27,7 @@ fn albedos_are_the_integrals_they_stand_for() {
         // Closed forms, tables, and the means of a few samples.
         let tolerance = match bsdf {
             Bsdf::Diffuse(_) | Bsdf::Plastic(_) => 1e-4,
-            Bsdf::RoughPlastic(_) => 5e-3,
+            Bsdf::RoughPlastic(_) => 5e-4,
             _ => 0.015,
         };
         for wi in views() {
