@@ -176,7 +176,8 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
         return None;
     }
     let snake = snake_case(name);
-    let most = (snake.chars().count() / 3).max(1);
+    let length = snake.chars().count();
+    let most = if length < 4 { 1 } else { (length / 3).max(2) };
     let scored = candidates.into_iter().map(|c| (strsim::osa_distance(&snake, &c.to_lowercase()), c));
     scored.filter(|&(d, _)| d <= most).min_by_key(|&(d, _)| d).map(|(_, c)| c)
 }

@@ -201,7 +201,7 @@ fn check_root(root: &Element, report: &Report) -> Option<()> {
         return None;
     }
     root.expect_attributes(&["version", "id"], report);
-    let Some(version) = root.attribute("version") else {
+    let Some(version) = root.attribute("version").filter(|a| !a.unknown) else {
         report.error(root.at, "<scene> needs the attribute `version`: \"3.0.0\" if it was written for Mitsuba 3");
         return None;
     };
@@ -284,7 +284,7 @@ impl Reader<'_> {
         match e.tag.as_str() {
             "ref" => {
                 e.expect_attributes(&["id", "name"], report);
-                let id = e.required("id", report)?;
+                let id = e.required("id", report).filter(|a| !a.unknown)?;
                 property(Value::Reference(id.value.clone()), id.value_at)
             }
             "vector" | "point" => {
@@ -302,7 +302,7 @@ impl Reader<'_> {
             "boolean" => self.simple(e, |a| value::parse(a, report, value::boolean).map(Value::Boolean)),
             "integer" => self.simple(e, |a| value::parse(a, report, value::integer).map(Value::Integer)),
             "float" => self.simple(e, |a| value::parse(a, report, value::number).map(Value::Float)),
-            "string" => self.simple(e, |a| Some(Value::Text(a.value.clone()))),
+            "string" => self.simple(e, |a| value::parse(a, report, |text| Ok(Value::Text(text.to_owned())))),
             "rgb" => self.simple(e, |a| value::parse(a, report, value::rgb).map(Value::Rgb)),
             "spectrum" if e.attribute("filename").is_some() || e.attribute("type").is_some() => {
                 report.error_help(e.at, "spectra from files and spectrum plugins are not supported yet", "write the colour as <rgb>");
@@ -337,7 +337,7 @@ impl Reader<'_> {
         e.expect_attributes(&["type", "id", "name"], self.report);
         // The children first: their mistakes are worth knowing even if this one is no object.
         let (properties, broken) = self.children(e);
-        let plugin = e.required("type", self.report)?;
+        let plugin = e.required("type", self.report).filter(|a| !a.unknown)?;
         let id = e.attribute("id").map(|a| a.value.clone());
         let (plugin, plugin_at) = (plugin.value.clone(), plugin.value_at);
         let object_id = ObjectId(self.objects.len());

@@ -10,7 +10,7 @@
 //!     <shape type="sphere"><float name="radios" value="2"/></shape>
 //! </scene>"#;
 //! let errors = parse(text, "ball.xml".as_ref(), ".".as_ref(), &LoadOptions::default()).unwrap_err();
-//! assert_eq!(errors.to_string(), r#"ball.xml:3:27: the shape `sphere` has no property `radios`
+//! assert_eq!(errors.to_string(), r#"ball.xml:3:26: the shape `sphere` has no property `radios`
 //!   3 |     <shape type="sphere"><float name="radios" value="2"/></shape>
 //!     |                          ^
 //!   help: did you mean `radius`?"#);

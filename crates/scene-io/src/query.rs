@@ -25,7 +25,11 @@ impl<'a> Query<'a> {
 
     /// The property of a name, whatever its kind.
     pub(crate) fn get(&self, name: &'static str) -> Option<&'a Property> {
-        self.asked.borrow_mut().push(name);
+        let mut asked = self.asked.borrow_mut();
+        if !asked.contains(&name) {
+            asked.push(name);
+        }
+        drop(asked);
         let i = self.object.properties.iter().position(|p| p.name == name)?;
         self.used[i].set(true);
         Some(&self.object.properties[i])
@@ -188,6 +192,9 @@ impl<'a> Query<'a> {
         for (p, _) in self.object.properties.iter().zip(&self.used).filter(|(_, used)| !used.get()) {
             let (class, plugin) = (self.object.class.tag(), &self.object.plugin);
             let owner = if self.object.class == Class::Scene { "a scene".into() } else { format!("the {class} `{plugin}`") };
+            if let Value::Reference(_) = p.value {
+                continue; // Nobody knows what it would have been.
+            }
             if p.name.is_empty() {
                 let tag = match &p.value {
                     Value::Object(id) => self.document.object(*id).class.tag(),

@@ -74,6 +74,9 @@ fn shorten(text: &str) -> String {
 
 /// The value of an attribute by a parser, or a mistake at its place.
 pub(crate) fn parse<T>(a: &Attribute, report: &Report, parser: impl Fn(&str) -> Result<T, String>) -> Option<T> {
+    if a.unknown {
+        return None;
+    }
     parser(&a.value).map_err(|message| report.error(a.value_at, message)).ok()
 }
 
@@ -91,15 +94,14 @@ pub(crate) fn vector(e: &Element, missing: Option<f64>, report: &Report) -> Opti
             ref other => Err(format!("expected one number or three, found {}", other.len())),
         });
     }
-    let components = axes.map(|name| match (e.attribute(name), missing) {
-        (Some(a), _) => parse(a, report, number),
-        (None, Some(x)) => Some(x),
-        (None, None) => e.required(name, report).and(None),
-    });
-    match components {
-        [Some(x), Some(y), Some(z)] => Some(DVec3::new(x, y, z)),
-        _ => None,
+    let mut v = DVec3::splat(missing.unwrap_or(0.0));
+    for (i, name) in axes.into_iter().enumerate() {
+        let attribute = if missing.is_none() { Some(e.required(name, report)?) } else { e.attribute(name) };
+        if let Some(a) = attribute {
+            v[i] = parse(a, report, number)?;
+        }
     }
+    Some(v)
 }
 
 const OPERATIONS: [&str; 5] = ["translate", "rotate", "scale", "lookat", "matrix"];

@@ -17,6 +17,8 @@ pub(crate) struct Attribute {
     pub(crate) at: At,
     /// Where the value stands.
     pub(crate) value_at: At,
+    /// It asks for a `$name` that is not defined (which is in the report): its value says nothing.
+    pub(crate) unknown: bool,
 }
 
 /// One element.
@@ -75,7 +77,9 @@ impl Defines {
         }
     }
     /// Replaces each `$name` by its value. As in Mitsuba, the longest name that is defined counts (`$resx` before `$res`).
-    fn apply(&mut self, text: &str, at: At, report: &Report) -> String {
+    /// The flag: was there one that is not?
+    fn apply(&mut self, text: &str, at: At, report: &Report) -> (String, bool) {
+        let mut unknown = false;
         let mut out = String::with_capacity(text.len());
         let mut rest = text;
         while let Some(dollar) = rest.find('$') {
@@ -98,13 +102,13 @@ impl Defines {
                         None => format!("write <default name=\"{name}\" value=\"..\"/> above, or give -D {name}=.."),
                     };
                     report.error_help(at, format!("`${name}` is not defined"), help);
-                    out.push('0');
+                    unknown = true;
                     rest = &rest[run..];
                 }
             }
         }
         out.push_str(rest);
-        out
+        (out, unknown)
     }
     /// Reports what was given from outside and never asked for.
     pub(crate) fn report_unused(&self, report: &Report) {
@@ -156,8 +160,8 @@ fn convert(node: roxmltree::Node, source: u32, level: usize, defines: &mut Defin
     let mut attributes = Vec::new();
     for a in node.attributes() {
         let value_at = place(a.range_value().start);
-        let value = defines.apply(a.value(), value_at, report);
-        attributes.push(Attribute { name: a.name().to_owned(), value, at: place(a.range().start), value_at });
+        let (value, unknown) = defines.apply(a.value(), value_at, report);
+        attributes.push(Attribute { name: a.name().to_owned(), value, at: place(a.range().start), value_at, unknown });
     }
     let mut element = Element { tag, at, attributes, children: Vec::new() };
     if is_default {
