@@ -67,24 +67,27 @@ impl TriangleMesh {
         mesh.transform(to_world);
         mesh
     }
-    /// The cube [-1, 1]^3 with normals outwards and texture coordinates [0, 1]^2 on each face, under a transform.
+    /// The cube [-1, 1]^3 with normals outwards and, on each face, the texture coordinates [0, 1]^2 of Mitsuba's `cube`,
+    /// under a transform.
     pub fn cube(to_world: &DAffine3) -> Self {
         let mut mesh = TriangleMesh::default();
-        for axis in 0..3 {
-            for sign in [-1.0f32, 1.0] {
-                let mut n = Vec3::ZERO;
-                n[axis] = sign;
-                let mut s = Vec3::ZERO;
-                s[(axis + 1) % 3] = sign;
-                let t = n.cross(s);
-                let base = mesh.positions.len() as u32;
-                for (a, b) in [(-1.0f32, -1.0f32), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                    mesh.positions.push(n + s * a + t * b);
-                    mesh.normals.push(n);
-                    mesh.uvs.push(Vec2::new(0.5 * a + 0.5, 0.5 * b + 0.5));
-                }
-                mesh.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+        // Normal, and the way u grows; v grows along s x n, so that images are seen mirrored from outside.
+        for (n, s) in [
+            (Vec3::X, Vec3::Y),
+            (Vec3::NEG_X, Vec3::Y),
+            (Vec3::Y, Vec3::NEG_X),
+            (Vec3::NEG_Y, Vec3::Z),
+            (Vec3::Z, Vec3::Y),
+            (Vec3::NEG_Z, Vec3::NEG_Y),
+        ] {
+            let t = s.cross(n);
+            let base = mesh.positions.len() as u32;
+            for (a, b) in [(-1.0f32, -1.0f32), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                mesh.positions.push(n + s * a + t * b);
+                mesh.normals.push(n);
+                mesh.uvs.push(Vec2::new(0.5 * a + 0.5, 0.5 * b + 0.5));
             }
+            mesh.triangles.extend([[base, base + 2, base + 1], [base, base + 3, base + 2]]);
         }
         mesh.transform(to_world);
         mesh

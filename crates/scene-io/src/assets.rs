@@ -122,8 +122,7 @@ fn near_file(path: &Path) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     let directory = path.parent()?;
     let entries = std::fs::read_dir(if directory.as_os_str().is_empty() { Path::new(".") } else { directory }).ok()?;
-    let mut names: Vec<String> =
-        entries.take(10_000).filter_map(|e| e.ok()?.file_name().into_string().ok()).collect();
+    let mut names: Vec<String> = entries.take(10_000).filter_map(|e| e.ok()?.file_name().into_string().ok()).collect();
     names.sort();
     diagnostic::nearest(name, names.iter().map(String::as_str)).map(|near| format!("did you mean `{near}`?"))
 }

@@ -36,7 +36,8 @@ impl fmt::Display for Diagnostic {
         } else {
             let number = self.line.to_string();
             let gutter = " ".repeat(number.len());
-            let pad: String = self.source_line.chars().take(self.caret).map(|c| if c == '\t' { c } else { ' ' }).collect();
+            let pad: String =
+                self.source_line.chars().take(self.caret).map(|c| if c == '\t' { c } else { ' ' }).collect();
             write!(f, ":{}:{}: {}", self.line, self.col, self.message)?;
             write!(f, "\n  {number} | {}\n  {gutter} | {pad}^", self.source_line)?;
         }
@@ -178,8 +179,14 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
     let snake = snake_case(name);
     let length = snake.chars().count();
     let most = if length < 4 { 1 } else { (length / 3).max(2) };
-    let scored = candidates.into_iter().map(|c| (strsim::osa_distance(&snake, &c.to_lowercase()), c));
-    scored.filter(|&(d, _)| d <= most).min_by_key(|&(d, _)| d).map(|(_, c)| c)
+    let near = candidates.into_iter().filter_map(|candidate| {
+        let lower = candidate.to_lowercase();
+        let distance = strsim::osa_distance(&snake, &lower);
+        // Two slips and another first letter: that is another word.
+        let same_word = distance < 2 || snake.chars().next() == lower.chars().next();
+        (distance <= most && same_word).then_some((distance, candidate))
+    });
+    near.min_by_key(|&(distance, _)| distance).map(|(_, candidate)| candidate)
 }
 
 /// `faceNormals` as Mitsuba 3 writes it.

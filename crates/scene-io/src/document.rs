@@ -171,7 +171,8 @@ impl Document {
         let mut done = vec![false; self.objects.len()];
         for i in 0..self.objects.len() {
             if let Err(at) = self.descend(ObjectId(i), 0, &mut done) {
-                report.error(at, format!("references lead in a circle (or through more than {MOST_REFERENCES} objects)"));
+                report
+                    .error(at, format!("references lead in a circle (or through more than {MOST_REFERENCES} objects)"));
                 return None;
             }
         }
@@ -218,7 +219,10 @@ fn check_root(root: &Element, report: &Report) -> Option<()> {
             Some(())
         }
         _ => {
-            report.error(version.value_at, format!("`{}` is not a version: expected 3.0.0 or later", version.value.trim()));
+            report.error(
+                version.value_at,
+                format!("`{}` is not a version: expected 3.0.0 or later", version.value.trim()),
+            );
             None
         }
     }
@@ -305,7 +309,11 @@ impl Reader<'_> {
             "string" => self.simple(e, |a| value::parse(a, report, |text| Ok(Value::Text(text.to_owned())))),
             "rgb" => self.simple(e, |a| value::parse(a, report, value::rgb).map(Value::Rgb)),
             "spectrum" if e.attribute("filename").is_some() || e.attribute("type").is_some() => {
-                report.error_help(e.at, "spectra from files and spectrum plugins are not supported yet", "write the colour as <rgb>");
+                report.error_help(
+                    e.at,
+                    "spectra from files and spectrum plugins are not supported yet",
+                    "write the colour as <rgb>",
+                );
                 None
             }
             "spectrum" => self.simple(e, |a| value::parse(a, report, value::spectrum).map(Value::Spectrum)),

@@ -23,6 +23,8 @@ mod document;
 mod image;
 mod ior;
 mod mesh;
+#[cfg(test)]
+mod mutation;
 mod query;
 mod value;
 mod xml;
@@ -38,7 +40,7 @@ use std::path::{Path, PathBuf};
 pub struct LoadOptions {
     /// Values of `$name` (`-D name=value`); they win over `<default>`. One that the file does not ask for is an error.
     pub defines: Vec<(String, String)>,
-    /// Width and height instead of the film's. [pixel]
+    /// Width and height instead of the film's, in pixels.
     pub size: Option<(u32, u32)>,
     /// Pixel filter instead of the film's.
     pub filter: Option<Filter>,

@@ -191,7 +191,8 @@ impl<'a> Query<'a> {
         let asked = self.asked.into_inner();
         for (p, _) in self.object.properties.iter().zip(&self.used).filter(|(_, used)| !used.get()) {
             let (class, plugin) = (self.object.class.tag(), &self.object.plugin);
-            let owner = if self.object.class == Class::Scene { "a scene".into() } else { format!("the {class} `{plugin}`") };
+            let owner =
+                if self.object.class == Class::Scene { "a scene".into() } else { format!("the {class} `{plugin}`") };
             if let Value::Reference(_) = p.value {
                 continue; // Nobody knows what it would have been.
             }

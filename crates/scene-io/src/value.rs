@@ -54,7 +54,9 @@ fn no_hex(hex: &str) -> String {
     match (hex.len(), channel(0), channel(1), channel(2)) {
         (6, Some(r), Some(g), Some(b)) => {
             let [r, g, b] = [r, g, b].map(|c| crate::image::srgb_to_linear(f32::from(c) / 255.0));
-            format!("`#{hex}` is no colour in Mitsuba 3, whose colours are linear: write `{r:.4} {g:.4} {b:.4}` for this sRGB one")
+            format!(
+                "`#{hex}` is no colour in Mitsuba 3, whose colours are linear: write `{r:.4} {g:.4} {b:.4}` for this sRGB one"
+            )
         }
         _ => format!("`#{}` is not a colour: expected one number or three", shorten(hex)),
     }
@@ -256,7 +258,10 @@ mod tests {
             (r#"<scale value="2"/>"#, [[2., 0., 0., 0.], [0., 2., 0., 0.], [0., 0., 2., 0.]]),
             (r#"<scale value="2,3,4"/>"#, [[2., 0., 0., 0.], [0., 3., 0., 0.], [0., 0., 4., 0.]]),
             (r#"<translate value="2"/>"#, [[1., 0., 0., 2.], [0., 1., 0., 2.], [0., 0., 1., 2.]]),
-            (r#"<lookat origin="1,2,3" target="4,2,-1"/>"#, [[0., 0.8, 0.6, 1.], [1., 0., 0., 2.], [0., 0.6, -0.8, 3.]]),
+            (
+                r#"<lookat origin="1,2,3" target="4,2,-1"/>"#,
+                [[0., 0.8, 0.6, 1.], [1., 0., 0., 2.], [0., 0.6, -0.8, 3.]],
+            ),
             (
                 r#"<lookat origin="1,2,3" target="4,2,-1" up="0,1,0"/>"#,
                 [[-0.8, 0., 0.6, 1.], [0., 1., 0., 2.], [-0.6, 0., -0.8, 3.]],

@@ -57,6 +57,9 @@ impl Element {
     }
 }
 
+/// An attribute that `$name` swells beyond this is an attack. [bytes]
+const MOST_EXPANDED: usize = 1 << 20;
+
 /// What `$name` stands for.
 pub(crate) struct Defines {
     values: BTreeMap<String, String>,
@@ -86,8 +89,13 @@ impl Defines {
             out.push_str(&rest[..dollar]);
             rest = &rest[dollar + 1..];
             let run = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-            let name = self.values.keys().filter(|k| !k.is_empty() && rest.starts_with(k.as_str())).max_by_key(|k| k.len());
+            let name =
+                self.values.keys().filter(|k| !k.is_empty() && rest.starts_with(k.as_str())).max_by_key(|k| k.len());
             match name.cloned() {
+                Some(name) if out.len() + self.values[&name].len() > MOST_EXPANDED => {
+                    report.error(at, format!("`${name}` grows beyond {MOST_EXPANDED} bytes"));
+                    return (String::new(), true);
+                }
                 Some(name) => {
                     out.push_str(&self.values[&name]);
                     rest = &rest[name.len()..];
@@ -166,7 +174,9 @@ fn convert(node: roxmltree::Node, source: u32, level: usize, defines: &mut Defin
     let mut element = Element { tag, at, attributes, children: Vec::new() };
     if is_default {
         element.expect_attributes(&["name", "value"], report);
-        if let (Some(name), Some(value)) = (element.required("name", report), element.required("value", report)) {
+        if let (Some(name), Some(value)) = (element.required("name", report), element.required("value", report))
+            && !value.unknown
+        {
             defines.default(&name.value, value.value.clone());
         }
     }

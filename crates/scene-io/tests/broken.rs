@@ -21,6 +21,7 @@ type Case = (&'static str, u32, u32, &'static str, &'static str);
 
 #[test]
 fn each_mistake_has_its_place_and_says_what_to_do() {
+    #[rustfmt::skip]
     let cases: &[Case] = &[
         // The tree.
         ("<shap type=\"sphere\"/>", 2, 1, "<shap> is no element", "did you mean <shape>?"),
@@ -95,7 +96,7 @@ fn each_mistake_has_its_place_and_says_what_to_do() {
         ("<emitter type=\"area\"/>", 2, 16, "an `area` emitter is part of a shape", ""),
         ("<emitter type=\"constant\"/>\n<emitter type=\"constant\"/>", 3, 1, "only one light can surround a scene (the first is at t.xml:2:1)", ""),
         ("<emitter type=\"point\"><rgb name=\"intensity\" value=\"-1 0 0\"/></emitter>", 2, 52, "`intensity` must not be negative", ""),
-        ("<emitter type=\"point\"><point name=\"position\" value=\"1\"/><transform name=\"to_world\"/></emitter>", 2, 15, "give either `position` or `to_world`", ""),
+        ("<emitter type=\"point\"><point name=\"position\" value=\"1\"/><transform name=\"to_world\"/></emitter>", 2, 16, "give either `position` or `to_world`", ""),
         ("<emitter type=\"directional\"><vector name=\"direction\" value=\"0\"/></emitter>", 2, 29, "`direction` must not be zero", ""),
         // The camera.
         ("<sensor type=\"perspective\"><float name=\"fov\" value=\"180\"/></sensor>", 2, 53, "`fov` must lie between 0 and 180", ""),
@@ -122,7 +123,12 @@ fn files_that_are_no_scene_are_refused_at_once() {
     let cases: &[(&str, u32, u32, &str)] = &[
         ("", 1, 1, "not well-formed XML"),
         ("<scene version=\"3.0.0\">\n  <shape\n</scene>", 3, 1, "not well-formed XML"),
-        ("<scene version=\"3.0.0\">\n  <shape type=\"a\">\n</scene>", 3, 1, "not well-formed XML: expected 'shape' tag, not 'scene'"),
+        (
+            "<scene version=\"3.0.0\">\n  <shape type=\"a\">\n</scene>",
+            3,
+            1,
+            "not well-formed XML: expected 'shape' tag, not 'scene'",
+        ),
         ("<scene version=\"3.0.0\"><a></a>", 1, 31, "not well-formed XML: the root node was opened but never closed"),
         ("<html/>", 1, 1, "the root element is <html>: expected <scene"),
         ("<scene/>", 1, 1, "<scene> needs the attribute `version`"),
@@ -165,7 +171,10 @@ fn a_whole_message_is_the_place_the_line_a_caret_and_help() {
 fn a_scene_needs_a_camera_and_a_shape() {
     let errors = whole("<scene version=\"3.0.0\"/>", &LoadOptions::default());
     let messages: Vec<&str> = errors.iter().map(|e| e.message.as_str()).collect();
-    assert_eq!(messages, ["the scene has no camera: it needs a <sensor type=\"perspective\">", "the scene has no shapes"]);
+    assert_eq!(
+        messages,
+        ["the scene has no camera: it needs a <sensor type=\"perspective\">", "the scene has no shapes"]
+    );
 }
 
 #[test]
@@ -174,7 +183,10 @@ fn a_define_that_nothing_asks_for_is_a_mistake_and_names_the_nearest() {
     let defines = |name: &str| LoadOptions { defines: vec![(name.into(), "4".into())], ..LoadOptions::default() };
     assert_eq!(whole(text, &defines("resx")), []);
     let errors = whole(text, &defines("rexs"));
-    assert_eq!(Errors(errors).to_string(), "t.xml: the scene has no parameter `rexs` (given by -D)\n  help: did you mean `resx`?");
+    assert_eq!(
+        Errors(errors).to_string(),
+        "t.xml: the scene has no parameter `rexs` (given by -D)\n  help: did you mean `resx`?"
+    );
 }
 
 #[test]
@@ -199,7 +211,7 @@ fn broken_meshes_and_images_are_errors_where_they_are_named() {
     write("cut.exr", &[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0]);
     for (plugin, file, want) in [
         ("shape type=\"obj\"", "flat.obj", "none of the mesh's 1 triangles has an area"),
-        ("shape type=\"obj\"", "range.obj", "line 4: `4` names number 4 of 3 vertices"),
+        ("shape type=\"obj\"", "range.obj", "line 4: a face names number 4 of 3 vertices"),
         ("shape type=\"ply\"", "cut.ply", "Unexpected end of file"),
         ("texture type=\"bitmap\"", "not.png", "not an image of a supported format"),
         ("texture type=\"bitmap\"", "cut.png", "cannot be decoded"),

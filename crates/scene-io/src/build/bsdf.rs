@@ -5,15 +5,31 @@ use super::texture::Range;
 use crate::document::{Class, ObjectId, Value, refuse_plugin};
 use crate::ior;
 use crate::query::Query;
-use manylight_bsdf::Distribution;
+use manylight_bsdf::{Distribution, RoughTransmittance};
 use manylight_math::Spectrum;
 use manylight_scene::{Material, MaterialId, Model};
 
-const BSDFS: [&str; 7] = ["diffuse", "conductor", "roughconductor", "dielectric", "plastic", "roughplastic", "twosided"];
+const BSDFS: [&str; 7] =
+    ["diffuse", "conductor", "roughconductor", "dielectric", "plastic", "roughplastic", "twosided"];
 const MITSUBA: [&str; 18] = [
-    "thindielectric", "roughdielectric", "mask", "bumpmap", "normalmap", "blendbsdf", "null", "principled",
-    "principledthin", "measured", "measured_polarized", "hair", "pplastic", "circular", "linear", "polarizer",
-    "retarder", "volumegrid",
+    "thindielectric",
+    "roughdielectric",
+    "mask",
+    "bumpmap",
+    "normalmap",
+    "blendbsdf",
+    "null",
+    "principled",
+    "principledthin",
+    "measured",
+    "measured_polarized",
+    "hair",
+    "pplastic",
+    "circular",
+    "linear",
+    "polarizer",
+    "retarder",
+    "volumegrid",
 ];
 
 impl<'a> Builder<'a> {
@@ -55,7 +71,8 @@ impl<'a> Builder<'a> {
         for (side, p) in sides.iter().take(2) {
             match self.document.object(*side).plugin.as_str() {
                 transmits @ ("dielectric" | "twosided") => {
-                    let why = if transmits == "dielectric" { "it lets light through" } else { "it has two sides itself" };
+                    let why =
+                        if transmits == "dielectric" { "it lets light through" } else { "it has two sides itself" };
                     self.report.error(p.at, format!("`twosided` cannot hold `{transmits}`: {why}"));
                 }
                 _ => models.extend(self.model(*side)),
@@ -102,8 +119,14 @@ impl<'a> Builder<'a> {
                 let diffuse = self.source(&q, "diffuse_reflectance", 0.5, white);
                 let specular = self.source(&q, "specular_reflectance", 1.0, white);
                 let (distribution, alpha) = (distribution(&q), self.alpha(&q, "alpha"));
-                let nonlinear = q.boolean("nonlinear", false);
-                Model::RoughPlastic { distribution, alpha, int_ior, ext_ior, diffuse, specular, nonlinear }
+                let eta = int_ior / ext_ior;
+                // Tables are made for a coat that refracts, and not for one out of this world.
+                if !((eta - 1.0).abs() > 1e-4 && (0.1..=10.0).contains(&eta)) {
+                    q.error(format!("`int_ior` / `ext_ior` of {} must lie between 0.1 and 10 and not be 1", q.name()));
+                    return None;
+                }
+                let coat = RoughTransmittance::of(distribution, alpha, eta);
+                Model::RoughPlastic { coat, diffuse, specular, nonlinear: q.boolean("nonlinear", false) }
             }
             _ => {
                 refuse_plugin(q.object, &BSDFS, &MITSUBA, self.report);
@@ -120,7 +143,10 @@ impl<'a> Builder<'a> {
             && self.document.object(*id).class == Class::Texture
         {
             q.ignore(&[name]);
-            self.report.error(self.document.object(*id).at, format!("`{name}` as a texture is not supported yet: write a <float>"));
+            self.report.error(
+                self.document.object(*id).at,
+                format!("`{name}` as a texture is not supported yet: write a <float>"),
+            );
             return 0.1;
         }
         match q.float_at(name) {
@@ -193,5 +219,9 @@ impl<'a> Builder<'a> {
 
 fn distribution(q: &Query) -> Distribution {
     q.ignore(&["sample_visible"]);
-    q.choice("distribution", &[("beckmann", Distribution::Beckmann), ("ggx", Distribution::Ggx)], Distribution::Beckmann)
+    q.choice(
+        "distribution",
+        &[("beckmann", Distribution::Beckmann), ("ggx", Distribution::Ggx)],
+        Distribution::Beckmann,
+    )
 }

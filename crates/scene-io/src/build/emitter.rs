@@ -120,7 +120,7 @@ impl<'a> Builder<'a> {
         if map.is_none() {
             self.report.error(at, format!("`{name}` is too small for an environment: it needs two rows"));
         }
-        map.map(Emitter::Environment)
+        map.map(|map| Emitter::Environment(Box::new(map)))
     }
 
     /// The radiance of a shape: its nested `area` emitter.
@@ -154,6 +154,8 @@ impl<'a> Builder<'a> {
 fn without_scale(t: &DAffine3) -> Option<DAffine3> {
     let m = t.matrix3 * t.matrix3.determinant().abs().cbrt().recip();
     let unit = m.transpose() * m;
-    let off = (0..3).flat_map(|c| (0..3).map(move |r| (unit.col(c)[r] - DMat3::IDENTITY.col(c)[r]).abs())).fold(0.0, f64::max);
-    (off < 1e-3).then(|| DAffine3 { matrix3: m, translation: DVec3::ZERO })
+    let off = (0..3)
+        .flat_map(|c| (0..3).map(move |r| (unit.col(c)[r] - DMat3::IDENTITY.col(c)[r]).abs()))
+        .fold(0.0, f64::max);
+    (off < 1e-3).then_some(DAffine3 { matrix3: m, translation: DVec3::ZERO })
 }

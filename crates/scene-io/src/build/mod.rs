@@ -16,8 +16,20 @@ use std::collections::HashMap;
 
 /// Integrators of Mitsuba 3: their depths count, the rest of them does not.
 const INTEGRATORS: [&str; 14] = [
-    "path", "volpath", "volpathmis", "direct", "ptracer", "aov", "depth", "moment", "stokes", "prb", "prbvolpath",
-    "prb_basic", "direct_projective", "prb_projective",
+    "path",
+    "volpath",
+    "volpathmis",
+    "direct",
+    "ptracer",
+    "aov",
+    "depth",
+    "moment",
+    "stokes",
+    "prb",
+    "prbvolpath",
+    "prb_basic",
+    "direct_projective",
+    "prb_projective",
 ];
 
 /// What is being built, and what it is built from.
@@ -34,12 +46,7 @@ pub(crate) struct Builder<'a> {
 }
 
 /// Builds everything; what is wrong goes into the report, `None` is returned then.
-pub(crate) fn build(
-    document: &Document,
-    report: &Report,
-    assets: &Assets,
-    options: &LoadOptions,
-) -> Option<Loaded> {
+pub(crate) fn build(document: &Document, report: &Report, assets: &Assets, options: &LoadOptions) -> Option<Loaded> {
     let mut b = Builder {
         document,
         report,

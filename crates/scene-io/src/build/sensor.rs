@@ -30,7 +30,9 @@ impl<'a> Builder<'a> {
         match sensors.first() {
             Some((id, _)) => self.sensor(*id),
             None if scene.object.broken => {}
-            None => self.report.error(scene.object.at, "the scene has no camera: it needs a <sensor type=\"perspective\">"),
+            None => {
+                self.report.error(scene.object.at, "the scene has no camera: it needs a <sensor type=\"perspective\">")
+            }
         }
         if let Some((_, second)) = sensors.get(1) {
             self.report.warn(second.at, format!("of {} sensors the first is used", sensors.len()));
@@ -88,8 +90,13 @@ impl<'a> Builder<'a> {
         if focal_length.is_some() {
             self.report.error(at, "give either `fov` or `focal_length`, not both");
         }
-        let axes =
-            [("x", Axis::X), ("y", Axis::Y), ("diagonal", Axis::Diagonal), ("smaller", Axis::Smaller), ("larger", Axis::Larger)];
+        let axes = [
+            ("x", Axis::X),
+            ("y", Axis::Y),
+            ("diagonal", Axis::Diagonal),
+            ("smaller", Axis::Smaller),
+            ("larger", Axis::Larger),
+        ];
         let axis = q.choice("fov_axis", &axes, Axis::X);
         if !(fov > 0.0 && fov < 180.0) {
             self.report.error(at, format!("`fov` must lie between 0 and 180 degrees, not {fov}"));

@@ -13,8 +13,17 @@ use rayon::prelude::*;
 
 const SHAPES: [&str; 6] = ["obj", "ply", "rectangle", "cube", "sphere", "disk"];
 const MITSUBA: [&str; 11] = [
-    "cylinder", "serialized", "shapegroup", "instance", "bsplinecurve", "linearcurve", "sdfgrid", "merge", "ellipsoids",
-    "ellipsoidsmesh", "mesh",
+    "cylinder",
+    "serialized",
+    "shapegroup",
+    "instance",
+    "bsplinecurve",
+    "linearcurve",
+    "sdfgrid",
+    "merge",
+    "ellipsoids",
+    "ellipsoidsmesh",
+    "mesh",
 ];
 
 /// A shape that is read, but whose mesh is not yet placed.

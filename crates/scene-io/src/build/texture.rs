@@ -54,7 +54,9 @@ impl<'a> Builder<'a> {
             ref other => {
                 let tag = q.tag_of(other);
                 let message = match tag {
-                    "texture" => format!("`{name}` of {} cannot be a texture here: expected a colour (<rgb>)", q.name()),
+                    "texture" => {
+                        format!("`{name}` of {} cannot be a texture here: expected a colour (<rgb>)", q.name())
+                    }
                     _ => format!("`{name}` must be a colour (<rgb>, <float>), not <{tag}>"),
                 };
                 self.report.error(p.at, message);

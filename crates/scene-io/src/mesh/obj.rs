@@ -1,79 +1,20 @@
-//! Wavefront OBJ through tobj. As in Mitsuba, a file is one mesh: groups, objects and materials are passed over.
+//! Wavefront OBJ. As in Mitsuba, a file is one mesh: groups, objects, materials and vertex colours are passed over.
+//!
+//! Written out rather than taken from tobj 4.0.5: that knows no line numbers, overflows on negative texture and normal
+//! indices, mixes up normals that only some faces have, and panics on legal MTL files.
 
 use super::RawMesh;
 use manylight_math::{Vec2, Vec3};
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 /// Reads a file's content.
 pub(crate) fn read(bytes: &[u8]) -> Result<RawMesh, String> {
-    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
-    let Some(clean) = geometry_only(bytes) else {
-        return Err(explain(bytes).unwrap_or_else(|| "faces name what is not there".into()));
-    };
-    // The material callback is never called: `geometry_only` has removed `mtllib`.
-    let (models, _) = tobj::load_obj_buf(&mut clean.as_slice(), &options, |_| Err(tobj::LoadError::GenericFailure))
-        .map_err(|e| explain(bytes).unwrap_or_else(|| e.to_string()))?;
-    let mut raw = RawMesh::default();
-    for model in models {
-        append(&mut raw, model.mesh);
+    let mut file = File::default();
+    for (number, line) in lines(bytes) {
+        file.line(number, &line).map_err(|e| format!("line {number}: {e}"))?;
     }
-    raw.check().map_err(|e| explain(bytes).unwrap_or(e))
-}
-
-fn append(raw: &mut RawMesh, mesh: tobj::Mesh) {
-    let base = raw.positions.len() as u32;
-    raw.positions.extend(mesh.positions.chunks_exact(3).map(Vec3::from_slice));
-    let vertices = mesh.positions.len() / 3;
-    if mesh.normals.len() == 3 * vertices {
-        raw.normals.extend(mesh.normals.chunks_exact(3).map(Vec3::from_slice));
-    } else if !mesh.normals.is_empty() {
-        raw.remarks.push("some faces have normals and some have none: all are computed".into());
-    }
-    if mesh.texcoords.len() == 2 * vertices {
-        raw.uvs.extend(mesh.texcoords.chunks_exact(2).map(Vec2::from_slice));
-    } else if !mesh.texcoords.is_empty() {
-        raw.remarks.push("some faces have texture coordinates and some have none: all are passed over".into());
-    }
-    raw.triangles.extend(mesh.indices.chunks_exact(3).map(|t| [base + t[0], base + t[1], base + t[2]]));
-}
-
-/// The lines that make geometry, each with the numbers that Mitsuba reads: no colours, no weights, no materials, no groups.
-/// `None` if faces name texture coordinates or normals of which there are none (tobj would pass over that).
-fn geometry_only(bytes: &[u8]) -> Option<Vec<u8>> {
-    let mut out = Vec::with_capacity(bytes.len());
-    let (mut has, mut wants) = ([false; 2], [false; 2]);
-    for (_, line) in lines(bytes) {
-        let mut words = line.split_ascii_whitespace();
-        let Some(keyword) = words.next() else { continue };
-        let most = match keyword {
-            "v" | "vn" => 3,
-            "vt" => 2,
-            "f" => usize::MAX,
-            _ => continue,
-        };
-        out.extend_from_slice(keyword.as_bytes());
-        let mut count = 0;
-        match keyword {
-            "vt" => has[0] = true,
-            "vn" => has[1] = true,
-            _ => {}
-        }
-        for word in words.take(most) {
-            if keyword == "f" {
-                let mut parts = word.split('/').skip(1);
-                wants.iter_mut().for_each(|w| *w |= parts.next().is_some_and(|p| !p.is_empty()));
-            }
-            out.push(b' ');
-            out.extend_from_slice(word.as_bytes());
-            count += 1;
-        }
-        // One-dimensional texture coordinates are legal.
-        if keyword == "vt" && count == 1 {
-            out.extend_from_slice(b" 0");
-        }
-        out.push(b'\n');
-    }
-    (0..2).all(|i| has[i] || !wants[i]).then_some(out)
+    file.finish()?.check()
 }
 
 /// Lines with their numbers, comments cut off, lines that end in a backslash joined with the next.
@@ -91,66 +32,140 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// tobj's errors carry no line: finds the first bad one.
-fn explain(bytes: &[u8]) -> Option<String> {
-    let (mut v, mut vt, mut vn) = (0i64, 0i64, 0i64);
-    for (number, line) in lines(bytes) {
+/// Indices of position, texture coordinate and normal.
+type Corner = [u32; 3];
+const MISSING: u32 = u32::MAX;
+const WHAT: [&str; 3] = ["vertices", "texture coordinates", "normals"];
+
+/// What has been read so far.
+#[derive(Default)]
+struct File {
+    positions: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    normals: Vec<Vec3>,
+    triangles: Vec<[Corner; 3]>,
+    /// Faces may come before their vertices: the largest index of each kind, and its line.
+    largest: [(u32, usize); 3],
+    incomplete_faces: usize,
+}
+
+impl File {
+    fn line(&mut self, number: usize, line: &str) -> Result<(), String> {
         let mut words = line.split_ascii_whitespace();
-        let keyword = words.next().unwrap_or("");
-        let words: Vec<&str> = words.collect();
-        let found = match keyword {
-            "v" => {
-                v += 1;
-                check_numbers(&words, 3, 3)
+        match words.next() {
+            Some("v") => self.positions.push(Vec3::from(numbers(words, 3)?)),
+            Some("vn") => self.normals.push(Vec3::from(numbers(words, 3)?)),
+            Some("vt") => {
+                let [u, v, _] = numbers(words.take(2), 1)?;
+                self.uvs.push(Vec2::new(u, v));
             }
-            "vn" => {
-                vn += 1;
-                check_numbers(&words, 3, 3)
-            }
-            "vt" => {
-                vt += 1;
-                check_numbers(&words, 1, 2)
-            }
-            "f" => words.iter().try_for_each(|corner| check_corner(corner, [v, vt, vn])),
-            _ => Ok(()),
+            Some("f") => self.face(number, words)?,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// A polygon, as a fan.
+    fn face<'a>(&mut self, number: usize, mut words: impl Iterator<Item = &'a str>) -> Result<(), String> {
+        let mut corner = || words.next().map(|word| self.corner(number, word)).transpose();
+        let (Some(first), Some(mut before)) = (corner()?, corner()?) else {
+            self.incomplete_faces += 1;
+            return Ok(());
         };
-        if let Err(what) = found {
-            return Some(format!("line {number}: {what}"));
+        let mut whole = false;
+        for word in words {
+            let next = self.corner(number, word)?;
+            self.triangles.push([first, before, next]);
+            (before, whole) = (next, true);
         }
+        self.incomplete_faces += usize::from(!whole);
+        Ok(())
     }
-    None
+
+    /// v, v/vt, v//vn or v/vt/vn; counted from 1, or below zero backwards from the last.
+    fn corner(&mut self, line: usize, word: &str) -> Result<Corner, String> {
+        let malformed = || format!("`{}` is no corner of a face: expected v, v/vt, v//vn or v/vt/vn", shorten(word));
+        let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
+        let mut corner = [MISSING; 3];
+        for (i, index) in word.split('/').enumerate() {
+            if i >= 3 {
+                return Err(malformed());
+            }
+            if index.is_empty() && i > 0 {
+                continue;
+            }
+            let signed: i64 = index.parse().map_err(|_| malformed())?;
+            let place = if signed < 0 { signed.saturating_add(counts[i] as i64) } else { signed - 1 };
+            if !(0..i64::from(MISSING)).contains(&place) {
+                return Err(format!("`{}` names number {signed} of {} {}", shorten(word), counts[i], WHAT[i]));
+            }
+            corner[i] = place as u32;
+            self.largest[i] = self.largest[i].max((place as u32 + 1, line));
+        }
+        Ok(corner)
+    }
+
+    /// One vertex for each distinct corner, in the order of their first use.
+    fn finish(self) -> Result<RawMesh, String> {
+        for (i, count) in [self.positions.len(), self.uvs.len(), self.normals.len()].into_iter().enumerate() {
+            let (largest, line) = self.largest[i];
+            if largest as usize > count {
+                return Err(format!("line {line}: a face names number {largest} of {count} {}", WHAT[i]));
+            }
+        }
+        let mut raw = RawMesh::default();
+        let mut remark = |what: String| raw.remarks.push(what);
+        let has = |i: usize| {
+            let mut corners = self.triangles.as_flattened().iter().map(|c| c[i] != MISSING);
+            (corners.clone().any(|b| b), corners.all(|b| b))
+        };
+        let (some_uvs, all_uvs) = has(1);
+        let (some_normals, all_normals) = has(2);
+        if some_uvs && !all_uvs {
+            remark("some faces have texture coordinates and some have none: all are passed over".into());
+        }
+        if some_normals && !all_normals {
+            remark("some faces have normals and some have none: all are computed".into());
+        }
+        if self.incomplete_faces > 0 {
+            remark(format!("{} faces of fewer than three corners are passed over", self.incomplete_faces));
+        }
+        let mut vertices: HashMap<Corner, u32> = HashMap::with_capacity(self.positions.len());
+        for triangle in &self.triangles {
+            raw.triangles.push(triangle.map(|corner| {
+                *vertices.entry(corner).or_insert_with(|| {
+                    let [p, t, n] = corner.map(|i| i as usize);
+                    raw.positions.push(self.positions[p]);
+                    if some_uvs && all_uvs {
+                        raw.uvs.push(self.uvs[t]);
+                    }
+                    if some_normals && all_normals {
+                        raw.normals.push(self.normals[n]);
+                    }
+                    raw.positions.len() as u32 - 1
+                })
+            }));
+        }
+        Ok(raw)
+    }
 }
 
-fn check_numbers(words: &[&str], least: usize, most: usize) -> Result<(), String> {
-    if words.len() < least {
-        return Err(format!("expected {least} numbers, found {}", words.len()));
-    }
-    for word in words.iter().take(most) {
-        match word.parse::<f32>() {
-            Ok(x) if x.is_finite() => {}
-            Ok(_) => return Err(format!("`{word}` is not finite")),
-            Err(_) => return Err(format!("`{}` is not a number", word.chars().take(40).collect::<String>())),
+/// Up to three numbers, at least `least`; what follows (colours, weights) is passed over.
+fn numbers<'a>(words: impl Iterator<Item = &'a str>, least: usize) -> Result<[f32; 3], String> {
+    let mut out = [0f32; 3];
+    let mut found = 0;
+    for (x, word) in out.iter_mut().zip(words) {
+        *x = word.parse().map_err(|_| format!("`{}` is not a number", shorten(word)))?;
+        if !x.is_finite() {
+            return Err(format!("`{}` is not finite", shorten(word)));
         }
+        found += 1;
     }
-    Ok(())
+    if found < least { Err(format!("expected {least} numbers, found {found}")) } else { Ok(out) }
 }
 
-fn check_corner(corner: &str, counts: [i64; 3]) -> Result<(), String> {
-    let what = ["vertices", "texture coordinates", "normals"];
-    let shown: String = corner.chars().take(40).collect();
-    for (i, index) in corner.split('/').enumerate() {
-        if i >= 3 {
-            return Err(format!("`{shown}` is no corner of a face: expected v, v/vt, v//vn or v/vt/vn"));
-        }
-        if index.is_empty() && i > 0 {
-            continue;
-        }
-        let index: i64 = index.parse().map_err(|_| format!("`{shown}` is no corner of a face: expected v, v/vt, v//vn or v/vt/vn"))?;
-        if index == 0 || index > counts[i] || index < -counts[i] {
-            return Err(format!("`{shown}` names number {index} of {} {}", counts[i], what[i]));
-        }
-    }
-    Ok(())
+fn shorten(word: &str) -> String {
+    word.chars().take(40).collect()
 }
 
 #[cfg(test)]
@@ -181,15 +196,25 @@ mod tests {
         assert!(mesh.normals.is_empty() && mesh.remarks.len() == 1, "{mesh:?}");
     }
     #[test]
+    fn faces_may_come_before_their_vertices() {
+        let mesh = read(format!("f 1 2 3 4\n{SQUARE}").as_bytes()).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+    }
+    #[test]
     fn mistakes_name_their_line() {
         for (text, want) in [
             ("v 0 0\nf 1 1 1", "line 1: expected 3 numbers, found 2"),
             ("v 0 0 nan\nv 0 0 0\nv 1 0 0\nf 1 2 3", "line 1: `nan` is not finite"),
             ("v 0 0 1e99\nv 0 0 0\nv 1 0 0\nf 1 2 3", "line 1: `1e99` is not finite"),
             ("v 0 0 zero", "line 1: `zero` is not a number"),
-            ("v 0 0 0\nf 1 2 3", "line 2: `2` names number 2 of 1 vertices"),
+            ("v 0 0 0\nf 1 2 3", "line 2: a face names number 3 of 1 vertices"),
             ("v 0 0 0\nf 0 0 0", "line 2: `0` names number 0 of 1 vertices"),
-            ("v 0 0 0\nf 1//7 1 1", "line 2: `1//7` names number 7 of 0 normals"),
+            ("v 0 0 0\nf 1//7 1 1", "line 2: a face names number 7 of 0 normals"),
+            (
+                "v 0 0 0\nf 9223372036854775807 1 1",
+                "line 2: `9223372036854775807` names number 9223372036854775807 of 1 vertices",
+            ),
+            ("v 0 0 0\nf 1/-1 1 1", "line 2: `1/-1` names number -1 of 0 texture coordinates"),
             ("v 0 0 0\nf 1/x 1 1", "line 2: `1/x` is no corner of a face: expected v, v/vt, v//vn or v/vt/vn"),
             ("v 0 0 0\n", "the mesh has no faces"),
             ("", "the mesh has no faces"),

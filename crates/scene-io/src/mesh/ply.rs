@@ -189,8 +189,16 @@ mod tests {
 
     fn ascii(vertex: &str, vertices: &[&str], faces: &[&str]) -> String {
         let properties: String = vertex.split(' ').map(|p| format!("property float {p}\n")).collect();
-        let head = format!("ply\nformat ascii 1.0\nelement vertex {}\n{properties}element face {}\n", vertices.len(), faces.len());
-        format!("{head}property list uchar int vertex_indices\nend_header\n{}\n{}\n", vertices.join("\n"), faces.join("\n"))
+        let head = format!(
+            "ply\nformat ascii 1.0\nelement vertex {}\n{properties}element face {}\n",
+            vertices.len(),
+            faces.len()
+        );
+        format!(
+            "{head}property list uchar int vertex_indices\nend_header\n{}\n{}\n",
+            vertices.join("\n"),
+            faces.join("\n")
+        )
     }
 
     #[test]
@@ -235,7 +243,10 @@ mod tests {
             (ascii("x y z", &ok, &["3 0 1 -1"]), "face 0 has an index below zero"),
             (ascii("x y z", &["0 0 nan", "1 0 0", "0 1 0"], &["3 0 1 2"]), "0 0 nan"),
             (ascii("x y z", &ok, &[]), "the mesh has no faces"),
-            (ascii("x y z", &ok, &["3 0 1 2"]).replace("vertex 3", "vertex 99999999999"), "the header promises 99999999999 of `vertex`"),
+            (
+                ascii("x y z", &ok, &["3 0 1 2"]).replace("vertex 3", "vertex 99999999999"),
+                "the header promises 99999999999 of `vertex`",
+            ),
             ("ply\nformat ascii 1.0\nelement void 5\nend_header\n".into(), "the header promises 5 of `void`"),
             (ascii("x y z", &ok, &["3 0 1 2"]).replace("vertex 3", "vertex 30"), "(expected 30, got 4)"),
         ] {

@@ -1,0 +1,246 @@
+//! Thousands of mutated inputs: none panics, hangs or asks for much memory. Seeded, so that a failure comes back.
+
+use crate::mesh::{obj, ply};
+use crate::{LoadOptions, image, parse};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % n.max(1) as u64) as usize
+    }
+}
+
+/// Changes a few places: bits, runs cut out or doubled, words of the format put in.
+fn mutate(seed: &[u8], words: &[&str], r: &mut Random) -> Vec<u8> {
+    let mut bytes = seed.to_vec();
+    for _ in 0..=r.below(4) {
+        let at = r.below(bytes.len() + 1);
+        let most = 1 + r.below(40);
+        let run = r.below(most).min(bytes.len() - at);
+        match r.below(5) {
+            0 if at < bytes.len() => bytes[at] ^= 1 << r.below(8),
+            1 => drop(bytes.drain(at..at + run)),
+            2 => {
+                let copy = bytes[at..at + run].to_vec();
+                let to = r.below(bytes.len() + 1);
+                bytes.splice(to..to, copy);
+            }
+            3 => bytes.truncate(at),
+            _ => {
+                let word = words[r.below(words.len())].bytes();
+                let end = at + run.min(r.below(8));
+                bytes.splice(at..end, word);
+            }
+        }
+    }
+    bytes
+}
+
+/// Runs `read` over mutations of the seeds; how many were accepted.
+fn storm(count: usize, seeds: &[Vec<u8>], words: &[&str], read: impl Fn(&[u8]) -> bool) -> usize {
+    let mut r = Random(7);
+    let mut accepted = 0;
+    for i in 0..count {
+        let input = mutate(&seeds[i % seeds.len()], words, &mut r);
+        let start = Instant::now();
+        accepted += usize::from(read(&input));
+        assert!(start.elapsed() < Duration::from_secs(5), "mutation {i} took {:?}", start.elapsed());
+    }
+    accepted
+}
+
+const SCENE: &str = r#"<scene version="3.0.0">
+    <default name="r" value="2"/><default name="res" value="16"/>
+    <integrator type="path"><integer name="max_depth" value="5"/></integrator>
+    <sensor type="perspective"><float name="fov" value="40"/><string name="fov_axis" value="smaller"/>
+        <transform name="to_world"><lookat origin="0,1,6" target="0,1,5" up="0,1,0"/></transform>
+        <sampler type="independent"><integer name="sample_count" value="$r"/></sampler>
+        <film type="hdrfilm"><integer name="width" value="$res"/><integer name="height" value="$res"/><rfilter type="tent"/></film>
+    </sensor>
+    <bsdf type="twosided" id="a"><bsdf type="diffuse"><rgb name="reflectance" value="0.1 0.2 0.3"/></bsdf></bsdf>
+    <bsdf type="roughconductor" id="b"><string name="material" value="Au"/><float name="alpha" value="0.1"/></bsdf>
+    <bsdf type="dielectric" id="c"><string name="int_ior" value="water"/></bsdf>
+    <bsdf type="diffuse" id="d"><texture type="checkerboard" name="reflectance">
+        <transform name="to_uv"><scale x="2" y="3"/></transform></texture></bsdf>
+    <shape type="sphere"><point name="center" x="0" y="1" z="0"/><float name="radius" value="$r"/><ref id="b"/></shape>
+    <shape type="cube"><transform name="to_world"><rotate y="1" angle="30"/><scale value="2"/><translate x="1"/></transform><ref id="c"/></shape>
+    <shape type="disk"><transform name="to_world"><matrix value="1 0 0 0 0 1 0 0 0 0 1 2 0 0 0 1"/></transform><ref id="d"/></shape>
+    <shape type="rectangle"><ref id="a"/><emitter type="area"><rgb name="radiance" value="17 12 4"/></emitter></shape>
+    <emitter type="point"><point name="position" value="1 2 3"/><spectrum name="intensity" value="3"/></emitter>
+    <emitter type="directional"><vector name="direction" x="0" y="-1" z="0"/></emitter>
+    <emitter type="constant"/>
+</scene>"#;
+
+#[test]
+fn mutated_scenes_are_read_or_refused() {
+    let words = [
+        "\"",
+        "<",
+        ">",
+        "/>",
+        "$",
+        "$r",
+        "$$",
+        "nan",
+        "inf",
+        "1e308",
+        "-1",
+        "0",
+        "&amp;",
+        "&#0;",
+        "<!--",
+        "é",
+        "id=\"a\"",
+        "<ref id=\"a\"/>",
+        "<scale x=\"0\"/>",
+        "<shape type=\"obj\">",
+        "9999999999",
+        "name=\"to_world\"",
+        "<transform>",
+    ];
+    let read = |bytes: &[u8]| {
+        let text = String::from_utf8_lossy(bytes);
+        match parse(&text, Path::new("t.xml"), Path::new("/nonexistent"), &LoadOptions::default()) {
+            Ok(_) => true,
+            Err(e) => {
+                assert!(!e.0.is_empty() && e.to_string().len() < 200_000);
+                false
+            }
+        }
+    };
+    let accepted = storm(3000, &[SCENE.into()], &words, read);
+    assert!(accepted > 30, "{accepted}: the mutations are too coarse to get far");
+}
+
+#[test]
+fn mutated_meshes_are_read_or_refused() {
+    let cube = "o cube\nv -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv 0 0 1 0.5 0.5 0.5\nvt 0 0\nvt 1 0\nvt 0.5 1\nvn 0 0 1\nvn 0 1 0\n\
+                f 1/1/1 2/2/1 3/3/1 4/1/1\nf 1//1 2//1 5//2\nf -1 -2 -3\nf 3/1 4/2 5/3\nusemtl x\nmtllib a.mtl\ng x\ns 1\n";
+    let words = [
+        "nan",
+        "inf",
+        "1e39",
+        "0",
+        "-1",
+        "-9999999999999999999",
+        "4294967296",
+        "/",
+        "//",
+        "\\\n",
+        "f ",
+        "v ",
+        "vt ",
+        "#",
+        "\u{fffd}",
+    ];
+    let accepted = storm(6000, &[cube.into()], &words, |b| obj::read(b).is_ok());
+    assert!(accepted > 100, "{accepted}");
+
+    let head = |format: &str, index: &str| {
+        format!(
+            "ply\nformat {format} 1.0\ncomment c\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+             property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\nelement face 2\n\
+             property list uchar {index} vertex_indices\nend_header\n"
+        )
+    };
+    let vertices =
+        [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.0f32]].map(|[x, y, z]| [x, y, z, 0., 0., 1., x, y]);
+    let mut binary = head("binary_little_endian", "int").into_bytes();
+    vertices.as_flattened().iter().for_each(|x| binary.extend(x.to_le_bytes()));
+    for face in [[0, 1, 2], [0, 2, 3i32]] {
+        binary.push(3);
+        face.iter().for_each(|i| binary.extend(i.to_le_bytes()));
+    }
+    let mut ascii = head("ascii", "uint");
+    vertices.iter().for_each(|v| ascii += &(v.map(|x| x.to_string()).join(" ") + "\n"));
+    ascii += "4 0 1 2 3\n3 0 1 2\n";
+    let words = [
+        "nan",
+        "4294967295",
+        "99999999999999999999",
+        "property list uint int vertex_index\n",
+        "element void 4000000000\n",
+        "element x 1\nproperty list uint double y\n",
+        "binary_big_endian",
+        "ascii",
+        "property float x\n",
+        "\0",
+        "-1",
+        "uchar",
+        "end_header\n",
+    ];
+    let accepted = storm(6000, &[binary, ascii.into_bytes()], &words, |b| ply::read(b).is_ok());
+    assert!(accepted > 100, "{accepted}");
+}
+
+#[test]
+fn mutated_images_are_read_or_refused() {
+    use std::io::Cursor;
+    let picture =
+        ::image::RgbImage::from_fn(16, 8, |x, y| ::image::Rgb([(x * 16) as u8, (y * 31) as u8, (x * y) as u8]));
+    let encode = |format| {
+        let mut bytes = Cursor::new(Vec::new());
+        let image = ::image::DynamicImage::ImageRgb8(picture.clone());
+        let image = if format == ::image::ImageFormat::Hdr { image.into_rgb32f().into() } else { image };
+        image.write_to(&mut bytes, format).expect("it can be written");
+        bytes.into_inner()
+    };
+    let mut exr = Cursor::new(Vec::new());
+    {
+        use ::exr::prelude::*;
+        let pixel = |p: Vec2<usize>| (p.x() as f32, p.y() as f32, 1f32);
+        Image::from_channels((16, 8), SpecificChannels::rgb(pixel))
+            .write()
+            .to_buffered(&mut exr)
+            .expect("it can be written");
+    }
+    let seeds = [
+        encode(::image::ImageFormat::Png),
+        encode(::image::ImageFormat::Jpeg),
+        encode(::image::ImageFormat::Hdr),
+        exr.into_inner(),
+    ];
+    let words = [
+        "\u{ff}",
+        "\0\0\0\0",
+        "\u{7f}\u{7f}\u{7f}\u{7f}",
+        "-Y 99999 +X 99999",
+        "IHDR",
+        "IDAT",
+        "dataWindow",
+        "channels",
+    ];
+    let accepted = storm(4000, &seeds, &words, |b| image::read(b, false).is_ok());
+    assert!(accepted > 100, "{accepted}");
+}
+
+#[test]
+fn deep_nesting_and_long_chains_are_refused() {
+    let errors = |body: &str| {
+        let text = format!("<scene version=\"3.0.0\">{body}</scene>");
+        parse(&text, Path::new("t.xml"), Path::new("."), &LoadOptions::default()).unwrap_err().to_string()
+    };
+    let deep = "<bsdf type=\"twosided\">".repeat(20_000) + &"</bsdf>".repeat(20_000);
+    assert!(errors(&deep).contains("elements nest deeper than 40 levels"));
+    let chain: String =
+        (0..5000).map(|i| format!("<bsdf type=\"twosided\" id=\"{i}\"><ref id=\"{}\"/></bsdf>", i + 1)).collect();
+    let last = "<bsdf type=\"diffuse\" id=\"5000\"/>";
+    assert!(errors(&(chain + last)).contains("references lead in a circle (or through more than 40 objects)"));
+    let bomb = "<default name=\"a\" value=\"xxxxxxxxxx\"/>".to_owned()
+        + &(0..60)
+            .map(|i| {
+                format!(
+                    "<default name=\"a{i}x\" value=\"$a{0}$a{0}\"/>",
+                    if i == 0 { String::new() } else { format!("{}x", i - 1) }
+                )
+            })
+            .collect::<String>();
+    assert!(errors(&bomb).contains("grows beyond"));
+}

@@ -1,0 +1,306 @@
+//! Conventions are those of Mitsuba 3. All expected numbers: mitsuba 3.9.1, variant `scalar_rgb`, `scene.ray_intersect` on the
+//! same XML (position, shading normal `si.sh_frame.n`, `si.uv`), or `eval` of the texture or emitter.
+
+use manylight_math::{DVec3, Ray, Spectrum, Vec2, Vec3};
+use manylight_scene::{Filter, Mode};
+use manylight_scene_io::{LoadOptions, Loaded, parse};
+use std::path::Path;
+
+fn scene_in(folder: &Path, body: &str) -> Loaded {
+    let camera = if body.contains("<sensor") { "" } else { "<sensor type=\"perspective\"/>" };
+    let shape = if body.contains("<shape") { "" } else { "<shape type=\"sphere\"/>" };
+    let text = format!("<scene version=\"3.0.0\">{body}{camera}{shape}</scene>");
+    parse(&text, Path::new("t.xml"), folder, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+fn scene(body: &str) -> Loaded {
+    scene_in(Path::new("."), body)
+}
+fn close(got: &[f32], want: &[f32], tolerance: f32, what: &str) {
+    assert!(got.iter().zip(want).all(|(a, b)| (a - b).abs() < tolerance), "{what}: {got:?}, Mitsuba has {want:?}");
+}
+
+/// Shading normal and texture coordinates at the first hit.
+fn hit(loaded: &Loaded, origin: [f32; 3], dir: [f32; 3]) -> (Vec3, Vec2) {
+    let ray = Ray::new(Vec3::from(origin), Vec3::from(dir).normalize());
+    let geometry = loaded.scene.geometry();
+    let surface = geometry.surface(&ray, &geometry.intersect(&ray).expect("a hit"));
+    (surface.ns, surface.uv)
+}
+fn check_hit(what: &str, loaded: &Loaded, ray: ([f32; 3], [f32; 3]), normal: [f32; 3], uv: [f32; 2]) {
+    let (n, t) = hit(loaded, ray.0, ray.1);
+    close(&n.to_array(), &normal, 2e-4, &format!("{what}: normal"));
+    close(&t.to_array(), &uv, 2e-4, &format!("{what}: uv"));
+}
+
+const DOWN: ([f32; 3], [f32; 3]) = ([0.5, -0.2, 3.0], [0.0, 0.0, -1.0]);
+
+#[test]
+fn rectangles_are_mitsubas() {
+    let rectangle = |inner: &str| scene(&format!("<shape type=\"rectangle\">{inner}</shape>"));
+    check_hit("plain", &rectangle(""), DOWN, [0., 0., 1.], [0.75, 0.4]);
+    check_hit(
+        "flipped",
+        &rectangle("<boolean name=\"flip_normals\" value=\"true\"/>"),
+        DOWN,
+        [0., 0., -1.],
+        [0.75, 0.4],
+    );
+    let mirror = "<transform name=\"to_world\"><scale x=\"-1\"/></transform>";
+    check_hit("mirrored", &rectangle(mirror), DOWN, [0., 0., 1.], [0.25, 0.4]);
+}
+
+#[test]
+fn cubes_are_mitsubas() {
+    let cube = scene("<shape type=\"cube\"/>");
+    for (axis, sign, uv) in [
+        (0, 1.0, [0.4, 0.35]),
+        (0, -1.0, [0.4, 0.65]),
+        (1, 1.0, [0.25, 0.35]),
+        (1, -1.0, [0.65, 0.75]),
+        (2, 1.0, [0.4, 0.75]),
+        (2, -1.0, [0.6, 0.75]),
+    ] {
+        let (mut origin, mut dir) = ([0.5, -0.2, 0.3], [0.0; 3]);
+        (origin[axis], dir[axis]) = (3.0 * sign, -sign);
+        check_hit("cube", &cube, (origin, dir), dir.map(|d| -d), uv);
+    }
+    let mirrored = scene("<shape type=\"cube\"><transform name=\"to_world\"><scale x=\"-1\"/></transform></shape>");
+    check_hit("mirrored", &mirrored, DOWN, [0., 0., 1.], [0.4, 0.25]);
+}
+
+#[test]
+fn spheres_are_mitsubas() {
+    let sphere = |inner: &str| scene(&format!("<shape type=\"sphere\">{inner}</shape>"));
+    let mirror = "<transform name=\"to_world\"><scale x=\"-1\"/></transform>";
+    for (d, uv, mirrored_uv) in [
+        ([0.50507627, 0.30304576, 0.80812204], [0.086, 0.2005], [0.414, 0.2005]),
+        ([-0.81110711, 0.48666426, 0.32444284], [0.414, 0.3948], [0.086, 0.3948]),
+        ([0.21566555, -0.97049496, -0.10783277], [0.7848, 0.5344], [0.7152, 0.5344f32]),
+    ] {
+        let ray = (d.map(|x: f32| 3.0 * x), d.map(|x| -x));
+        check_hit("plain", &sphere(""), ray, d, uv);
+        check_hit("mirrored", &sphere(mirror), ray, d.map(|x| -x), mirrored_uv);
+        check_hit("flipped", &sphere("<boolean name=\"flip_normals\" value=\"true\"/>"), ray, d.map(|x| -x), uv);
+    }
+    let moved = "<point name=\"center\" value=\"1 2 3\"/><float name=\"radius\" value=\"2\"/>\
+                 <transform name=\"to_world\"><scale value=\"2\"/><translate x=\"10\"/></transform>";
+    let bounds = sphere(moved).scene.bounds();
+    close(&bounds.centre().to_array(), &[12.0, 4.0, 6.0], 1e-4, "centre");
+    close(&(bounds.hi - bounds.lo).to_array(), &[8.0; 3], 1e-4, "extent");
+}
+
+#[test]
+fn disks_are_mitsubas() {
+    let disk = |inner: &str| scene(&format!("<shape type=\"disk\">{inner}</shape>"));
+    let scale = |s: &str| disk(&format!("<transform name=\"to_world\"><scale {s}/></transform>"));
+    let down = ([0.3, 0.4, 3.0], [0.0, 0.0, -1.0]);
+    check_hit("plain", &disk(""), down, [0., 0., 1.], [0.5, 0.1476]);
+    check_hit("flipped", &disk("<boolean name=\"flip_normals\" value=\"true\"/>"), down, [0., 0., -1.], [0.5, 0.1476]);
+    check_hit("mirrored x", &scale("x=\"-1\""), down, [0., 0., 1.], [0.5, 0.3524]);
+    check_hit("mirrored z", &scale("z=\"-1\""), down, [0., 0., -1.], [0.5, 0.1476]);
+    check_hit("scaled", &scale("value=\"2\""), down, [0., 0., 1.], [0.25, 0.1476]);
+}
+
+#[test]
+fn meshes_are_mitsubas() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("t.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.5\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
+    write(
+        "n.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0.6 0.8\nvn 0 0.6 0.8\nvn 0 0.6 0.8\nvt 0 0\nf 1/1/1 2/1/2 3/1/3\n",
+    );
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float s\n\
+               property float t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n3 0 1 2\n";
+    write("t.ply", ply);
+    let set = |name: &str, value: bool| format!("<boolean name=\"{name}\" value=\"{value}\"/>");
+    let scale = |s: &str| format!("<transform name=\"to_world\"><scale {s}/></transform>");
+    let down = ([0.7, 0.2, 3.0], [0.0, 0.0, -1.0]);
+    for (file, inner, normal, uv) in [
+        ("t.obj", String::new(), [0.1151, -0.1151, 0.9867], [0.7, 0.8]),
+        ("t.obj", set("face_normals", true), [0., 0., 1.], [0.7, 0.8]),
+        ("t.obj", set("flip_normals", true), [-0.1151, 0.1151, -0.9867], [0.7, 0.8]),
+        ("t.obj", set("flip_tex_coords", false), [0.1151, -0.1151, 0.9867], [0.7, 0.2]),
+        ("t.obj", scale("z=\"-1\""), [-0.1151, 0.1151, 0.9867], [0.7, 0.8]),
+        ("t.obj", scale("y=\"3\""), [0.0546, -0.0182, 0.9983], [0.7, 0.9333]),
+        ("n.obj", String::new(), [0., 0.6, 0.8], [0., 1.]),
+        ("n.obj", set("face_normals", true), [0., 0., 1.], [0., 1.]),
+        ("n.obj", set("flip_normals", true), [0., -0.6, -0.8], [0., 1.]),
+        ("n.obj", scale("z=\"-1\""), [0., 0.6, -0.8], [0., 1.]),
+        ("n.obj", scale("y=\"3\""), [0., 0.2425, 0.9701], [0., 1.]),
+        ("t.ply", String::new(), [0., 0., 1.], [0.7, 0.2]),
+        ("t.ply", set("flip_tex_coords", true), [0., 0., 1.], [0.7, 0.8]),
+    ] {
+        let plugin = &file[2..];
+        let body = format!("<shape type=\"{plugin}\"><string name=\"filename\" value=\"{file}\"/>{inner}</shape>");
+        check_hit(&format!("{file} {inner}"), &scene_in(folder.path(), &body), down, normal, uv);
+    }
+}
+
+/// The radiance of a textured rectangle where it has texture coordinates `uv`.
+fn texel(folder: &Path, texture: &str, uv: [f32; 2]) -> [f32; 3] {
+    let body = format!("<shape type=\"rectangle\"><emitter type=\"area\">{texture}</emitter></shape>");
+    let origin = Vec3::new(2.0 * uv[0] - 1.0, 2.0 * uv[1] - 1.0, 1.0);
+    let vertex =
+        scene_in(folder, &body).scene.intersect(&Ray::new(origin, Vec3::NEG_Z), Mode::Radiance).expect("a hit");
+    vertex.emitted().to_array()
+}
+
+#[test]
+fn bitmaps_are_mitsubas() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = [[255, 0, 0], [0, 255, 0], [128, 128, 128], [0, 0, 255], [255, 255, 0], [255, 255, 255u8]];
+    let image = image::RgbImage::from_raw(3, 2, rows.concat()).unwrap();
+    image.save(folder.path().join("q.png")).unwrap();
+    let texture = |inner: &str, uv| {
+        let file = "<string name=\"filename\" value=\"q.png\"/>";
+        texel(folder.path(), &format!("<texture type=\"bitmap\" name=\"radiance\">{file}{inner}</texture>"), uv)
+    };
+    let nearest = "<string name=\"filter_type\" value=\"nearest\"/>";
+    for (uv, want) in [
+        ([0.1, 0.1], [1., 0., 0.]),
+        ([0.5, 0.1], [0., 1., 0.]),
+        ([0.9, 0.1], [0.2159, 0.2159, 0.2159]),
+        ([0.1, 0.9], [0., 0., 1.]),
+        ([0.5, 0.9], [1., 1., 0.]),
+    ] {
+        close(&texture(nearest, uv), &want, 2e-4, "nearest");
+    }
+    close(&texture("", [0.25, 0.4]), &[0.6, 0.25, 0.225], 2e-4, "bilinear");
+    close(&texture("", [0.02, 0.02]), &[0.5561, 0.2537, 0.5113], 2e-4, "repeat");
+    let wrap = |mode: &str| format!("<string name=\"wrap_mode\" value=\"{mode}\"/>");
+    close(&texture(&wrap("mirror"), [0.02, 0.02]), &[1., 0., 0.], 2e-4, "mirror");
+    close(&texture(&wrap("clamp"), [0.02, 0.02]), &[1., 0., 0.], 2e-4, "clamp");
+    close(&texture("<boolean name=\"raw\" value=\"true\"/>", [0.9, 0.1]), &[0.6611, 0.5211, 0.5811], 2e-4, "raw");
+    let moved = format!(
+        "{nearest}<transform name=\"to_uv\"><scale x=\"2\" y=\"1\"/><translate x=\"0.25\" y=\"0.5\"/></transform>"
+    );
+    for (uv, want) in
+        [([0.1, 0.1], [1., 1., 0.]), ([0.3, 0.1], [1., 1., 1.]), ([0.4, 0.1], [0., 0., 1.]), ([0.1, 0.9], [0., 1., 0.])]
+    {
+        close(&texture(&moved, uv), &want, 2e-4, "to_uv");
+    }
+}
+
+#[test]
+fn checkerboards_are_mitsubas() {
+    let board = |inner: &str, uv| {
+        texel(Path::new("."), &format!("<texture type=\"checkerboard\" name=\"radiance\">{inner}</texture>"), uv)[0]
+    };
+    for (uv, want) in [([0.1, 0.1], 0.4), ([0.6, 0.1], 0.2), ([0.1, 0.6], 0.2), ([0.6, 0.6], 0.4f32)] {
+        close(&[board("", uv)], &[want], 1e-6, "plain");
+    }
+    let moved = "<transform name=\"to_uv\"><scale x=\"2\" y=\"1\"/><translate x=\"0.25\" y=\"0\"/></transform>";
+    for (uv, want) in
+        [([0.1, 0.1], 0.4), ([0.3, 0.1], 0.2), ([0.13, 0.1], 0.2), ([0.6, 0.6], 0.2), ([0.38, 0.1], 0.4f32)]
+    {
+        close(&[board(moved, uv)], &[want], 1e-6, "to_uv");
+    }
+}
+
+#[test]
+fn cameras_are_mitsubas() {
+    let directions = |inner: &str| {
+        let loaded = scene(&format!("<sensor type=\"perspective\"><float name=\"fov\" value=\"40\"/>{inner}</sensor>"));
+        [[0.5, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
+            .map(|[x, y]: [f32; 2]| loaded.scene.camera().ray(Vec2::new(x * 768.0, y * 576.0)).dir.to_array())
+    };
+    let check = |what: &str, inner: &str, want: [[f32; 3]; 4]| {
+        close(directions(inner).as_flattened(), want.as_flattened(), 2e-4, what);
+    };
+    check(
+        "plain",
+        "",
+        [[0.0, 0.0, 1.0], [0.3313, 0.2485, 0.9102], [-0.3313, 0.2485, 0.9102], [0.3313, -0.2485, 0.9102]],
+    );
+    check(
+        "principal point",
+        "<float name=\"principal_point_offset_x\" value=\"0.1\"/><float name=\"principal_point_offset_y\" value=\"0.2\"/>",
+        [[-0.0722, -0.1083, 0.9915], [0.2762, 0.1553, 0.9485], [-0.3958, 0.1484, 0.9063], [0.2625, -0.3445, 0.9014]],
+    );
+    check(
+        "lookat",
+        "<transform name=\"to_world\"><lookat origin=\"1,2,3\" target=\"4,2,-1\" up=\"0,1,0\"/></transform>",
+        [[0.6, 0.0, -0.8], [0.2811, 0.2485, -0.927], [0.8112, 0.2485, -0.5294], [0.2811, -0.2485, -0.927]],
+    );
+    check(
+        "mirrored",
+        "<transform name=\"to_world\"><scale x=\"-1\"/></transform>",
+        [[0.0, 0.0, 1.0], [-0.3313, 0.2485, 0.9102], [0.3313, 0.2485, 0.9102], [-0.3313, -0.2485, 0.9102]],
+    );
+    // x_fov of a 4:3 film without `fov`: 50 mm, and 35 mm.
+    for (inner, fov) in [("", 38.184_84), ("<string name=\"focal_length\" value=\"35mm\"/>", 52.622_54f32)] {
+        let loaded = scene(&format!("<sensor type=\"perspective\">{inner}</sensor>"));
+        let left = loaded.scene.camera().ray(Vec2::new(0.0, 288.0)).dir;
+        close(&[2.0 * left.x.atan2(left.z).to_degrees()], &[fov], 1e-3, "focal length");
+    }
+}
+
+#[test]
+fn films_and_integrators_have_mitsubas_defaults() {
+    let filter = |rfilter: &str| {
+        scene(&format!("<sensor type=\"perspective\"><film type=\"hdrfilm\">{rfilter}</film></sensor>")).scene.filter()
+    };
+    assert_eq!(filter(""), Filter::Gaussian { stddev: 0.5 });
+    assert_eq!(filter("<rfilter type=\"tent\"/>"), Filter::Tent { radius: 1.0 });
+    assert_eq!(filter("<rfilter type=\"lanczos\"/>"), Filter::Lanczos { lobes: 3.0 });
+    assert_eq!(filter("<rfilter type=\"mitchell\"/>"), Filter::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 });
+    assert_eq!(scene("").scene.camera().size, (768, 576));
+    assert_eq!(scene("").scene.max_depth(), None);
+    let path = |inner: &str| scene(&format!("<integrator type=\"volpath\">{inner}</integrator>"));
+    assert_eq!(path("<integer name=\"max_depth\" value=\"-1\"/>").scene.max_depth(), None);
+    let deep = path(
+        "<integer name=\"max_depth\" value=\"7\"/><integer name=\"rr_depth\" value=\"3\"/><boolean name=\"hide_emitters\" value=\"true\"/>",
+    );
+    assert_eq!((deep.scene.max_depth(), deep.rr_depth), (Some(7), Some(3)));
+}
+
+#[test]
+fn environments_are_mitsubas() {
+    let folder = tempfile::tempdir().unwrap();
+    // Pixel (x, y) is (y, x, 1).
+    exr::prelude::write_rgb_file(folder.path().join("e.exr"), 8, 4, |x, y| (y as f32, x as f32, 1.0f32)).unwrap();
+    let environment = |inner: &str| {
+        let file = "<string name=\"filename\" value=\"e.exr\"/><float name=\"scale\" value=\"2\"/>";
+        scene_in(folder.path(), &format!("<emitter type=\"envmap\">{file}{inner}</emitter>")).scene
+    };
+    let rotated = "<transform name=\"to_world\"><rotate y=\"1\" angle=\"90\"/><scale value=\"3\"/></transform>";
+    for (inner, d, want) in [
+        ("", [1., 0., 0.], [3., 3., 2.]),
+        ("", [-1., 0., 0.], [3., 11., 2.]),
+        ("", [0., 0., 1.], [3., 7., 2.]),
+        (rotated, [1., 0., 0.], [3., 7., 2.]),
+        (rotated, [0., 0., 1.], [3., 11., 2.]),
+        (rotated, [0., 0., -1.], [3., 3., 2.]),
+    ] {
+        close(&environment(inner).environment(Vec3::from(d)).to_array(), &want, 2e-3, &format!("{inner} {d:?}"));
+    }
+    let constant = |inner: &str| {
+        scene(&format!("<emitter type=\"constant\">{inner}</emitter>")).scene.environment(Vec3::Y).to_array()
+    };
+    close(&constant(""), &[1., 1., 1.], 1e-6, "default");
+    close(&constant("<float name=\"radiance\" value=\"2\"/>"), &[2., 2., 2.], 1e-6, "float");
+    close(&constant("<spectrum name=\"radiance\" value=\"2\"/>"), &[2.4096, 1.8966, 1.8178], 1e-4, "equal energy");
+}
+
+#[test]
+fn a_shape_without_bsdf_is_grey_and_a_light_without_bsdf_is_black() {
+    let albedo = |inner: &str| {
+        let loaded = scene(&format!("<shape type=\"rectangle\">{inner}</shape>"));
+        let vertex = loaded.scene.intersect(&Ray::new(Vec3::Z, Vec3::NEG_Z), Mode::Radiance).expect("a hit");
+        vertex.lobe_at(Vec3::Z)
+    };
+    assert_eq!(albedo(""), Spectrum::gray(0.5) * std::f32::consts::FRAC_1_PI);
+    assert!(albedo("<emitter type=\"area\"/>").is_black());
+}
+
+#[test]
+fn a_directional_emitter_shines_along_z_of_its_transform() {
+    // Irradiance 3 on a surface that faces it gives a grey diffuse surface 3 * 0.5 / pi; here only the direction is of interest.
+    let loaded = scene(
+        "<emitter type=\"directional\"><transform name=\"to_world\"><rotate y=\"1\" angle=\"90\"/></transform></emitter>",
+    );
+    let mut stream = manylight_sampling::Stream::new(1, [0; 3], manylight_sampling::Purpose::CAMERA);
+    let emission = loaded.scene.sample_emission(&mut stream).expect("light");
+    assert!((emission.ray.dir.as_dvec3() - DVec3::X).length() < 1e-6, "{:?}", emission.ray.dir);
+}
