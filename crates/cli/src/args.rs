@@ -27,6 +27,9 @@ pub enum Command {
     Diff(Diff),
     /// Lists the methods, or describes one with its parameters
     List(List),
+    /// Writes one of the parametric scenes, or lists them
+    #[command(disable_help_flag = true)]
+    Scene(Scene),
 }
 
 /// Renders a scene to an EXR image, with a PNG beside it to look at.
@@ -99,6 +102,20 @@ pub struct List {
     /// Method to describe
     #[arg(value_name = "NAME")]
     pub method: Option<String>,
+}
+
+/// Writes one of the parametric scenes, or lists them.
+#[derive(Debug, Args)]
+pub struct Scene {
+    /// Scene to write; without it, the scenes and their parameters are listed
+    #[arg(value_name = "NAME")]
+    pub name: Option<String>,
+    /// Describes the scene and its parameters
+    #[arg(short, long)]
+    pub help: bool,
+    /// Directory to write to: `-o DIR`; and the scene's parameters: `--key value`
+    #[arg(value_name = "-o DIR | --key value", trailing_var_arg = true, allow_hyphen_values = true)]
+    pub rest: Vec<String>,
 }
 
 /// The budget where none is asked for.
@@ -221,5 +238,6 @@ mod tests {
         assert!(parse("manylight render a.xml --passes 3 --exposure -1").is_ok());
         assert!(parse("manylight render a.xml --passes 3 --time 3s").is_err());
         assert!(parse("manylight render a.xml --passes 0").is_err());
+        assert!(parse("manylight scene many-lamps --lamps 10 -o dir").is_ok());
     }
 }

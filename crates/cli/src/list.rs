@@ -40,7 +40,7 @@ fn default_claim(name: &str) -> Result<Claim, Failure> {
 }
 
 /// Name with default, what it can be, and what it means, of each parameter.
-pub fn parameters(params: impl Iterator<Item = Param>) -> String {
+fn parameters(params: impl Iterator<Item = Param>) -> String {
     let describe = |p: Param| {
         let unit = if p.unit.is_empty() { String::new() } else { format!(" [{}]", p.unit) };
         format!("  {}={}{unit}: {}\n      {}\n", p.name, p.default, p.kind.expected(), p.help)

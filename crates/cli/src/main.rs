@@ -8,6 +8,7 @@ mod list;
 mod output;
 mod progress;
 mod render;
+mod scene;
 mod units;
 
 use args::{Cli, Command};
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::List(args) => list::run(&args),
+        Command::Scene(args) => scene::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -4,11 +4,13 @@ use crate::units;
 use indicatif::{ProgressBar, ProgressStyle};
 use manylight_render::{Budget, Observer, Progress};
 use std::io::IsTerminal;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// Tells the user after every pass where the rendering stands.
+/// Tells the user where the rendering stands.
 pub struct Report {
     budget: Budget,
+    start: Instant,
+    passes: u64,
     target: Target,
 }
 
@@ -29,9 +31,9 @@ impl Report {
         let target = match (quiet, std::io::stderr().is_terminal()) {
             (true, _) => Target::Nobody,
             (false, true) => Target::Bar(bar()),
-            (false, false) => Target::Lines(Duration::ZERO),
+            (false, false) => Target::Lines(BETWEEN_LINES),
         };
-        Report { budget, target }
+        Report { budget, start: Instant::now(), passes: 0, target }
     }
     /// Takes the bar away, so that the summary stands alone.
     pub fn finish(self) {
@@ -43,17 +45,38 @@ impl Report {
 
 impl Observer for Report {
     fn after_pass(&mut self, progress: &Progress) {
+        self.passes = progress.passes;
         match &mut self.target {
             Target::Nobody => {}
             Target::Bar(bar) => {
-                bar.set_position((fraction(self.budget, progress) * STEPS as f64) as u64);
+                bar.set_position(steps(self.budget, progress.passes as f64, progress.elapsed));
                 bar.set_message(line(self.budget, progress));
             }
-            Target::Lines(next) if progress.elapsed >= *next => {
-                eprintln!("{}", line(self.budget, progress));
-                *next = progress.elapsed + BETWEEN_LINES;
+            Target::Lines(next) => {
+                if progress.passes == 1 || progress.elapsed >= *next {
+                    eprintln!("{}", line(self.budget, progress));
+                    *next = progress.elapsed + BETWEEN_LINES;
+                }
             }
-            Target::Lines(_) => {}
+        }
+    }
+    fn during_pass(&mut self, done: usize, tasks: usize) {
+        let part = done as f64 / tasks as f64;
+        let elapsed = self.start.elapsed();
+        match &mut self.target {
+            Target::Nobody => {}
+            Target::Bar(bar) => {
+                bar.set_position(steps(self.budget, self.passes as f64 + part, elapsed));
+                if self.passes == 0 {
+                    bar.set_message(format!("pass 1: {:.0} %", 100.0 * part));
+                }
+            }
+            Target::Lines(next) => {
+                if elapsed >= *next {
+                    eprintln!("pass {}: {:.0} %, {}", self.passes + 1, 100.0 * part, units::time(elapsed));
+                    *next = elapsed + BETWEEN_LINES;
+                }
+            }
         }
     }
 }
@@ -62,22 +85,26 @@ fn bar() -> ProgressBar {
     let bar = ProgressBar::new(STEPS);
     let style = ProgressStyle::with_template("{spinner} {bar:30} {wide_msg}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    bar.set_message("first pass");
+    bar.set_message("pass 1");
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
 
 /// How much of the budget is spent, 0 to 1.
-fn fraction(budget: Budget, progress: &Progress) -> f64 {
+fn fraction(budget: Budget, passes: f64, elapsed: Duration) -> f64 {
     let fraction = match budget {
-        Budget::Passes(n) => progress.passes as f64 / n as f64,
-        Budget::Time(time) => progress.elapsed.as_secs_f64() / time.as_secs_f64(),
+        Budget::Passes(n) => passes / n as f64,
+        Budget::Time(time) => elapsed.as_secs_f64() / time.as_secs_f64(),
     };
     fraction.clamp(0.0, 1.0)
 }
 
+fn steps(budget: Budget, passes: f64, elapsed: Duration) -> u64 {
+    (fraction(budget, passes, elapsed) * STEPS as f64) as u64
+}
+
 fn line(budget: Budget, progress: &Progress) -> String {
-    let done = fraction(budget, progress);
+    let done = fraction(budget, progress.passes as f64, progress.elapsed);
     // 1 / done - 1: what is left of the budget as a multiple of what is spent.
     let left = progress.elapsed.as_secs_f64() * (1.0 / done - 1.0);
     let left = Duration::try_from_secs_f64(left).unwrap_or(Duration::ZERO);

@@ -155,7 +155,7 @@ fn summarise(target: &Target, rendering: &Rendering, stats: &Stats, ev: f32) {
     say(format!("rays: {camera} camera, {path} path, {shadow} shadow; virtual lights: {lights}"));
     match stats.estimated_error {
         Some(error) => say(format!("estimated relMSE by noise: {error:.2e}")),
-        None => say("the noise of a single pass is unknown"),
+        None => say("estimated relMSE by noise: unknown, it takes two passes"),
     }
 }
 

@@ -218,12 +218,30 @@ fn list_shows_the_methods_and_what_each_promises() {
     assert!(out.contains("Keller") && out.contains("paths") && out.contains("bound"), "{out}");
 }
 #[test]
+fn a_parametric_scene_is_written_and_can_be_rendered() {
+    let here = workplace();
+    let (out, _) = ends_with(0, &here, "scene");
+    assert!(out.contains("many-lamps"), "{out}");
+    assert_eq!(ends_with(0, &here, "scene --help").0, out);
+    let (out, _) = ends_with(0, &here, "scene many-lamps --help");
+    assert!(out.contains("Parameters") && out.contains("lamps"), "{out}");
+    let (out, _) = ends_with(0, &here, "scene many-lamps --lamps 10 -o lamps");
+    assert!(out.contains("lamps"), "{out}");
+    ends_with(0, &here, "render lamps/scene.xml --passes 1 --size 8x8 -P paths=4");
+    assert!(files(&here).contains(&"lamps.exr".into()));
+    is_refused(&here, "scene many-lmaps -o x", "many-lamps");
+    is_refused(&here, "scene many-lamps --lmaps 3 -o x", "lamps");
+    is_refused(&here, "scene many-lamps --lamps few -o x", "few");
+    is_refused(&here, "scene many-lamps --lamps 3", "-o");
+    is_refused(&here, "scene many-lamps lamps 3 -o x", "--key value");
+}
+#[test]
 fn help_shows_only_what_there_is() {
     let here = workplace();
     let (out, _) = ends_with(0, &here, "--help");
     let commands = out.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let names: Vec<_> = commands.filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(names, ["render", "diff", "list", "help"]);
+    assert_eq!(names, ["render", "diff", "list", "scene", "help"]);
     ends_with(0, &here, "--version");
     ends_with(1, &here, "");
 }

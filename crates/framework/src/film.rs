@@ -101,19 +101,14 @@ impl<'s> Film<'s> {
         let results: Vec<Mutex<Option<Tile>>> = (0..tiles).map(|_| Mutex::new(None)).collect();
         let this: &Self = self;
         this.scheduler.run(tiles, &|tile| {
-            if this.scheduler.cancelled() {
-                return;
-            }
             let mut probe = Probe::default();
             probe.explain = explain.then(Vec::new);
             let (x0, y0) = (tile % across * TILE, tile / across * TILE);
-            let mut pixels = Vec::with_capacity(TILE * TILE);
-            for y in y0..(y0 + TILE).min(h) {
-                for x in x0..(x0 + TILE).min(w) {
-                    let pixel = y * w + x;
-                    pixels.push((pixel, this.pixel(pixel, &mut probe, radiance)));
-                }
-            }
+            let rows = y0..(y0 + TILE).min(h);
+            let places = rows.flat_map(|y| (x0..(x0 + TILE).min(w)).map(move |x| y * w + x));
+            // A pixel may ask a million lights: whoever cancels does not wait for the rest of the tile.
+            let places = places.take_while(|_| !this.scheduler.cancelled());
+            let pixels = places.map(|pixel| (pixel, this.pixel(pixel, &mut probe, radiance))).collect();
             if let Ok(mut slot) = results[tile].lock() {
                 *slot = Some((pixels, probe));
             }

@@ -1,6 +1,6 @@
 //! How much memory was used.
 
-/// The largest memory this process has held so far [bytes], where the system says (Linux: `VmHWM`).
+/// The largest memory this process has held so far \[bytes\], where the system says (Linux: `VmHWM`).
 pub fn peak_memory() -> Option<u64> {
     peak_of(&std::fs::read_to_string("/proc/self/status").ok()?)
 }

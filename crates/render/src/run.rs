@@ -33,13 +33,16 @@ pub struct Progress {
     pub rays: u64,
 }
 
-/// Who is told after every pass.
-pub trait Observer {
+/// Who is told how the rendering goes.
+pub trait Observer: Send {
     /// A pass has been added to the image.
     fn after_pass(&mut self, progress: &Progress);
+    /// `done` of the running pass's `tasks` (tiles) have ended. Called from the threads that end them, as often as they do;
+    /// not each of them is reported.
+    fn during_pass(&mut self, _done: usize, _tasks: usize) {}
 }
 
-impl<F: FnMut(&Progress)> Observer for F {
+impl<F: FnMut(&Progress) + Send> Observer for F {
     fn after_pass(&mut self, progress: &Progress) {
         self(progress)
     }
@@ -84,7 +87,7 @@ pub fn render(
     let mut done = Rendering::nothing(&mean);
     loop {
         let begin = Instant::now();
-        let workers = Workers::new(cancel);
+        let workers = Workers::new(cancel, observer);
         let mut film = Film::new(camera, &filter, settings.seed, mean.passes(), settings.spp, &workers);
         let mut counts = Probe::default();
         let outcome = pool.install(|| method.pass(scene, &mut film, &mut counts));

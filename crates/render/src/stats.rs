@@ -56,7 +56,7 @@ pub struct Stats {
     pub lights: u64,
     /// Lights asked for their contribution, for each camera sample.
     pub evaluations_per_sample: f64,
-    /// The largest memory the process has held [bytes], where the system says.
+    /// The largest memory the process has held \[bytes\], where the system says.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub memory: Option<u64>,
     /// Samples that were NaN, infinite or negative: black in the image.
@@ -66,7 +66,7 @@ pub struct Stats {
     pub estimated_error: Option<f64>,
 }
 
-/// Wall-clock time [s].
+/// Wall-clock time \[s\].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Seconds {
     /// Reading the scene and building its BVH.

@@ -3,7 +3,7 @@
 use manylight_framework::{Claim, Film, Image, Method, PassError, Probe, Promise};
 use manylight_math::{DAffine3, Spectrum};
 use manylight_render::{
-    Accumulator, Budget, Progress, RenderError, Rendering, SampleAt, Settings, Stats, Subject, render,
+    Accumulator, Budget, Observer, Progress, RenderError, Rendering, SampleAt, Settings, Stats, Subject, render,
 };
 use manylight_scene::{Camera, Scene};
 use std::sync::Mutex;
@@ -76,6 +76,29 @@ fn so_many_passes_are_rendered_and_the_observer_hears_of_each() {
     let samples = u64::from(SIZE.0 * SIZE.1) * 2 * 4;
     assert_eq!((rendering.probe.camera_rays, rendering.probe.shadow_rays), (samples, 2 * samples));
     assert_eq!(heard[3].rays, 3 * samples);
+}
+#[test]
+fn the_observer_hears_of_tiles_while_a_pass_is_running() {
+    #[derive(Default)]
+    struct Heard {
+        tiles: Vec<(usize, usize)>,
+        passes: u64,
+    }
+    impl Observer for Heard {
+        fn after_pass(&mut self, progress: &Progress) {
+            self.passes = progress.passes;
+        }
+        fn during_pass(&mut self, done: usize, tasks: usize) {
+            self.tiles.push((done, tasks));
+        }
+    }
+    let mut heard = Heard::default();
+    let one_thread = Settings { threads: Some(1), ..settings(Budget::Passes(2)) };
+    render(&scene(), &Noise, &one_thread, &mut heard, &AtomicBool::new(false)).unwrap();
+    // 40 x 23 pixels are 3 x 2 tiles.
+    let pass = (1..=6).map(|done| (done, 6));
+    assert_eq!(heard.tiles, pass.clone().chain(pass).collect::<Vec<_>>());
+    assert_eq!(heard.passes, 2);
 }
 #[test]
 fn the_image_is_the_mean_of_the_passes_and_each_pass_is_fresh() {
@@ -177,6 +200,20 @@ fn cancelled_in_the_first_pass_the_part_that_is_done_is_the_result() {
     let done = rendering.image.pixels.iter().filter(|p| **p == Spectrum::ONE).count();
     assert!(done > 0 && done < rendering.image.pixels.len(), "{done} pixels");
     assert_eq!(rendering.probe.camera_rays, 2 * done as u64);
+}
+#[test]
+fn whoever_cancels_does_not_wait_for_a_tile() {
+    let cancel = AtomicBool::new(false);
+    let method = Toy(|film: &mut Film, probe: &mut Probe| {
+        film.fill(probe, &|_, _, _| {
+            cancel.store(true, Relaxed);
+            Spectrum::ONE
+        });
+        Ok(())
+    });
+    let one_thread = Settings { threads: Some(1), ..settings(Budget::Passes(5)) };
+    let rendering = render(&scene(), &method, &one_thread, &mut |_: &Progress| (), &cancel).unwrap();
+    assert_eq!(rendering.image.pixels.iter().filter(|p| **p == Spectrum::ONE).count(), 1);
 }
 #[test]
 fn cancelled_before_it_begins_it_ends_with_a_black_image() {

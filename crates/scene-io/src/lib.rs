@@ -25,6 +25,7 @@ mod ior;
 mod mesh;
 #[cfg(test)]
 mod mutation;
+pub mod parametric;
 mod query;
 mod value;
 mod xml;
