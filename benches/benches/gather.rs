@@ -50,7 +50,7 @@ impl Setting {
     fn new(name: &str) -> Self {
         let options = LoadOptions { size: Some((SIZE, SIZE)), ..LoadOptions::default() };
         let scene = load(&scene_file(name), &options).unwrap_or_else(|e| panic!("{e}")).scene;
-        let keller = Keller { paths: LIGHTS as u64, max_edges: None, emission: Emission::Full };
+        let keller = Keller { paths: LIGHTS as u64, max_edges: None, certain_edges: 1, emission: Emission::Full };
         let batch = keller.generate(&scene, 0, 1, &mut Probe::default()).expect("the scene has lamps");
         let lights: Vec<Vpl> = batch.lights.into_iter().take(LIGHTS).collect();
         assert_eq!(lights.len(), LIGHTS, "{name} has too few lights");

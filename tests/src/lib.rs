@@ -101,7 +101,9 @@ pub fn reference_blocks(path: &Path, grid: usize) -> (Vec<f64>, Vec<f64>) {
 /// passes see half the bias.
 pub fn effort(n: u64) -> u64 {
     match std::env::var("MANYLIGHT_EFFORT") {
-        Ok(text) => n * text.parse::<u64>().unwrap_or_else(|_| panic!("MANYLIGHT_EFFORT={text}: expected a whole number")),
+        Ok(text) => {
+            n * text.parse::<u64>().unwrap_or_else(|_| panic!("MANYLIGHT_EFFORT={text}: expected a whole number"))
+        }
         Err(_) => n,
     }
 }
