@@ -46,7 +46,7 @@ pub trait ReachCluster<C> {
     note = "`grid` gathers at points: use `segment = points`, not `span`"
 )]
 pub trait Located {
-    /// [m]
+    /// \[m\]
     fn position(&self) -> Vec3;
 }
 

@@ -43,7 +43,7 @@ impl ShapeGeometry {
 /// What a ray met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Distance along the ray. [m]
+    /// Distance along the ray. \[m\]
     pub t: f32,
     /// Index of the shape.
     pub shape: u32,
@@ -56,9 +56,9 @@ pub struct Hit {
 /// A point on a shape with what shading needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
-    /// [m]
+    /// \[m\]
     pub p: Vec3,
-    /// Bound on the rounding error of `p`, for `offset_from`. [m]
+    /// Bound on the rounding error of `p`, for `offset_from`. \[m\]
     pub error: f32,
     /// Geometric normal, unit, on the side of the shading normal.
     pub ng: Vec3,
@@ -186,7 +186,7 @@ impl Geometry {
     pub fn primitive_count(&self) -> usize {
         self.primitives.len()
     }
-    /// Memory of the tree and its primitives. [byte]
+    /// Memory of the tree and its primitives. \[byte\]
     pub fn bytes(&self) -> usize {
         self.bvh.nodes.len() * size_of::<obvhs::bvh2::node::Bvh2Node>()
             + self.bvh.primitive_indices.len() * size_of::<u32>()

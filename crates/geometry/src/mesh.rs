@@ -5,7 +5,7 @@ use manylight_math::{Aabb, DAffine3, DMat3, Vec2, Vec3};
 /// Triangles over shared vertices, in world space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleMesh {
-    /// [m]
+    /// \[m\]
     pub positions: Vec<Vec3>,
     /// Shading normals: empty, or one per vertex. Unit.
     pub normals: Vec<Vec3>,
@@ -122,7 +122,7 @@ impl TriangleMesh {
         self.normals.iter_mut().for_each(|n| *n = -*n);
         self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
-    /// The three corners of triangle `i`. [m]
+    /// The three corners of triangle `i`. \[m\]
     pub fn corners(&self, i: usize) -> [Vec3; 3] {
         self.triangles[i].map(|v| self.positions[v as usize])
     }

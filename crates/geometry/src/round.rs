@@ -6,9 +6,9 @@ use std::f32::consts::{PI, TAU};
 /// A sphere.
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere {
-    /// [m]
+    /// \[m\]
     pub centre: Vec3,
-    /// Positive. [m]
+    /// Positive. \[m\]
     pub radius: f32,
     /// Orientation of its texture coordinates: u is the azimuth around `n` over 2 pi, v the polar angle over pi.
     pub frame: Frame,
@@ -63,9 +63,9 @@ impl Sphere {
 /// A flat disc.
 #[derive(Clone, Copy, Debug)]
 pub struct Disk {
-    /// [m]
+    /// \[m\]
     pub centre: Vec3,
-    /// Positive. [m]
+    /// Positive. \[m\]
     pub radius: f32,
     /// `n` is the normal; `s` is where the azimuth is zero. u is the radius over the disc's, v the azimuth over 2 pi.
     pub frame: Frame,

@@ -5,9 +5,9 @@ use crate::Vec3;
 /// An axis-aligned box; empty if `lo > hi` on any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
-    /// Lower corner. [m]
+    /// Lower corner. \[m\]
     pub lo: Vec3,
-    /// Upper corner. [m]
+    /// Upper corner. \[m\]
     pub hi: Vec3,
 }
 
@@ -31,11 +31,11 @@ impl Aabb {
     pub fn is_empty(&self) -> bool {
         !self.lo.cmple(self.hi).all()
     }
-    /// The middle. [m]
+    /// The middle. \[m\]
     pub fn centre(&self) -> Vec3 {
         0.5 * self.lo + 0.5 * self.hi
     }
-    /// Half the diagonal; zero if empty. [m]
+    /// Half the diagonal; zero if empty. \[m\]
     pub fn radius(&self) -> f32 {
         if self.is_empty() { 0.0 } else { 0.5 * (self.hi - self.lo).length() }
     }
@@ -43,7 +43,7 @@ impl Aabb {
     pub fn contains(&self, p: Vec3) -> bool {
         self.lo.cmple(p).all() && p.cmple(self.hi).all()
     }
-    /// One of the eight corners, by the bits of `i` (0..8). [m]
+    /// One of the eight corners, by the bits of `i` (0..8). \[m\]
     pub fn corner(&self, i: usize) -> Vec3 {
         let pick = |bit: usize, lo: f32, hi: f32| if i >> bit & 1 == 0 { lo } else { hi };
         Vec3::new(pick(0, self.lo.x, self.hi.x), pick(1, self.lo.y, self.hi.y), pick(2, self.lo.z, self.hi.z))

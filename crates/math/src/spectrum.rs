@@ -3,7 +3,7 @@
 use crate::Vec3;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
 
-/// Three linear channels (Rec. 709 primaries). What they measure ([W], [W/sr], [W/(m^2 sr)]) is said by whoever returns one.
+/// Three linear channels (Rec. 709 primaries). What they measure (\[W\], [W/sr], [W/(m^2 sr)]) is said by whoever returns one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spectrum(pub Vec3);
 

@@ -6,7 +6,7 @@ use manylight_math::{DAffine3, DVec3, Ray, Vec2, Vec3};
 /// A pinhole camera, in Mitsuba's convention: in its own frame it looks along +z, with +x to the left and +y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// The pinhole. [m]
+    /// The pinhole. \[m\]
     pub origin: Vec3,
     /// Unit, towards the scene.
     pub forward: Vec3,
@@ -61,12 +61,12 @@ impl Camera {
             size,
         })
     }
-    /// The ray through a point of the image: (0, 0) is the upper left corner of the first pixel, y grows downwards. [pixel]
+    /// The ray through a point of the image: (0, 0) is the upper left corner of the first pixel, y grows downwards. \[pixel\]
     pub fn ray(&self, at: Vec2) -> Ray {
         let film = self.corner + Vec2::new(at.x, -at.y) * self.pixel;
         Ray::new(self.origin, (self.forward + self.right * film.x + self.up * film.y).normalize())
     }
-    /// Where a direction from the pinhole meets the image [pixel], and the cosine of its angle to the axis; `None` from behind.
+    /// Where a direction from the pinhole meets the image \[pixel\], and the cosine of its angle to the axis; `None` from behind.
     pub fn project(&self, dir: Vec3) -> Option<(Vec2, f32)> {
         let z = self.forward.dot(dir);
         if !(z > 0.0) {

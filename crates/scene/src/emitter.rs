@@ -12,7 +12,7 @@ use std::f32::consts::PI;
 pub enum Emitter {
     /// A point that shines the same in all directions.
     Point {
-        /// [m]
+        /// \[m\]
         position: Vec3,
         /// [W/sr]
         intensity: Spectrum,
@@ -62,7 +62,7 @@ enum Sampler {
 pub struct EmitterSample {
     /// The end of a path: its lobe is normalised, so that `flux` times it is what it emits.
     pub vertex: Vertex,
-    /// Emitted by all of the light that the sample stands for: radiance x pi / pdf for areas, intensity x 4 pi / pmf for points [W];
+    /// Emitted by all of the light that the sample stands for: radiance x pi / pdf for areas, intensity x 4 pi / pmf for points \[W\];
     /// irradiance / pdf for light from infinity [W/m^2].
     pub flux: Spectrum,
     /// Density of the point per area [1/m^2], or of the direction per solid angle [1/sr] for light from infinity, times the
@@ -79,7 +79,7 @@ pub struct Emission {
     pub start: EmitterSample,
     /// Already beyond the emitter's own surface.
     pub ray: Ray,
-    /// The flux that the ray carries: emitted / density. [W]
+    /// The flux that the ray carries: emitted / density. \[W\]
     pub flux: Spectrum,
 }
 
@@ -162,7 +162,7 @@ impl Emitters {
     pub fn shine(&self) -> bool {
         self.pick.is_some()
     }
-    /// Luminance of what all emit together (for light from infinity: onto the sphere around the scene). [W]
+    /// Luminance of what all emit together (for light from infinity: onto the sphere around the scene). \[W\]
     pub fn power(&self) -> f64 {
         self.powers.iter().sum()
     }

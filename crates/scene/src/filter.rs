@@ -38,7 +38,7 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// Half width. [pixel]
+    /// Half width. \[pixel\]
     pub fn radius(&self) -> f32 {
         match *self {
             Filter::Box => 0.5,
@@ -119,7 +119,7 @@ impl FilterSampler {
     pub fn filter(&self) -> Filter {
         self.filter
     }
-    /// An offset from the pixel's centre [pixel] and the weight of a sample there.
+    /// An offset from the pixel's centre \[pixel\] and the weight of a sample there.
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
         match (&self.cells, self.filter) {
             (Some(cells), _) => {

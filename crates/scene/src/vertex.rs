@@ -7,9 +7,9 @@ use manylight_math::{Aabb, Frame, INV_4PI, Ray, Spectrum, Vec2, Vec3};
 /// One end of an edge: a point, its surface if it lies on one, and the medium around it.
 #[derive(Clone, Copy, Debug)]
 pub struct End {
-    /// [m]
+    /// \[m\]
     pub p: Vec3,
-    /// Geometric normal and error bound [m] of the surface that it lies on.
+    /// Geometric normal and error bound \[m\] of the surface that it lies on.
     pub surface: Option<(Vec3, f32)>,
     /// Index of the medium around it; none is vacuum.
     pub medium: Option<u32>,
@@ -27,7 +27,7 @@ pub enum Edge {
 /// A point where light scatters or starts. Receivers and virtual point lights are both vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex {
-    /// [m]
+    /// \[m\]
     pub p: Vec3,
     /// What it does with light.
     pub scatter: Scatter,
@@ -57,7 +57,7 @@ pub struct SurfacePoint {
     pub bsdf: Bsdf,
     /// Is the path from the eye or from a light?
     pub mode: Mode,
-    /// Bound on the rounding error of the position. [m]
+    /// Bound on the rounding error of the position. \[m\]
     pub error: f32,
     /// Radiance that leaves along `wi`. [W/(m^2 sr)]
     pub emitted: Spectrum,
@@ -86,7 +86,7 @@ pub enum EmitterPoint {
     Lambert {
         /// Geometric normal. Unit, on the side that shines.
         n: Vec3,
-        /// Bound on the rounding error of the position. [m]
+        /// Bound on the rounding error of the position. \[m\]
         error: f32,
     },
     /// A point that shines the same to all directions.
@@ -305,7 +305,7 @@ fn cone_towards(p: Vec3, b: &Aabb) -> (Vec3, f32) {
 /// A straight run through a medium: a camera segment, or a virtual ray light.
 #[derive(Clone, Copy, Debug)]
 pub struct Span {
-    /// With a finite `t_max`. [m]
+    /// With a finite `t_max`. \[m\]
     pub ray: Ray,
     /// Index of the medium that it runs through.
     pub medium: u32,

@@ -1,6 +1,6 @@
 //! Virtual point lights (Keller 1997): light walks that leave a light at each vertex, and the kernel that connects them.
 //!
-//! Of N paths, the vertex y_j of a path with throughput alpha_j [W] becomes a light of flux alpha_j / N that emits by its own
+//! Of N paths, the vertex y_j of a path with throughput alpha_j \[W\] becomes a light of flux alpha_j / N that emits by its own
 //! BSDF, and brings to a receiver x
 //!
 //! > f(x) cos_x cos_y / |x - y|^2 f(y) alpha_j / N   x visibility.

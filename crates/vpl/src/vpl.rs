@@ -9,7 +9,7 @@ use manylight_scene::Vertex;
 pub struct Vpl {
     /// Where it is and how it emits: by its BSDF (as seen from the previous vertex), phase function or profile.
     pub vertex: Vertex,
-    /// alpha_j / N. [W], or [W/m^2] for one at infinity
+    /// alpha_j / N. \[W\], or [W/m^2] for one at infinity
     pub flux: Spectrum,
     /// Edges from the emitter to here; 0 on the emitter.
     pub edges: u32,

@@ -10,7 +10,7 @@ use manylight_scene::{Mode, Scene, Vertex};
 pub struct Step {
     /// Seen from the previous vertex.
     pub vertex: Vertex,
-    /// alpha_j, before the vertex's own roulette. [W]
+    /// alpha_j, before the vertex's own roulette. \[W\]
     pub flux: Spectrum,
     /// Edges from the emitter: 1 for the first hit.
     pub edges: u32,
