@@ -11,7 +11,7 @@ pub(crate) fn error_bound(largest: f32) -> f32 {
     largest * (16.0 * 0.5 * f32::EPSILON)
 }
 
-/// The point moved beyond its error bound along its geometric normal, to the side that `towards` points to. Both unit.
+/// The point moved beyond its error bound along its geometric normal, to the side that `towards` points to.
 pub fn offset_from(p: Vec3, normal: Vec3, error: f32, towards: Vec3) -> Vec3 {
     // The second term covers the rounding of this very sum.
     let step = error + p.abs().max_element() * f32::EPSILON;
@@ -26,14 +26,21 @@ pub fn shadow_segment(a: (Vec3, Option<(Vec3, f32)>), b: (Vec3, Option<(Vec3, f3
     // Trace from the end that comes first in a fixed order, so that visibility is exactly symmetric.
     let ordered = a.0.to_array().partial_cmp(&b.0.to_array())?.is_le();
     let (a, b) = if ordered { (a, b) } else { (b, a) };
-    let dir = (b.0 - a.0).try_normalize()?;
+    let towards = b.0 - a.0; // only its side of each surface matters
+    if !(towards.length_squared() > f32::MIN_POSITIVE) {
+        return None;
+    }
     let moved = |(p, surface): (Vec3, Option<(Vec3, f32)>), towards: Vec3| {
         surface.map_or(p, |(n, error)| offset_from(p, n, error, towards))
     };
-    let (from, to) = (moved(a, dir), moved(b, -dir));
+    let (from, to) = (moved(a, towards), moved(b, -towards));
     let d = to - from;
-    let length = d.length();
-    let dir = d.try_normalize()?;
+    let length2 = d.length_squared();
+    if !(length2 > f32::MIN_POSITIVE) {
+        return None;
+    }
+    let length = length2.sqrt();
+    let dir = d / length;
     // The length carries a few roundings of its own; stop short of the far end by more than those.
     Some(Ray { origin: from, dir, t_max: length * (1.0 - 4.0 * f32::EPSILON) })
 }

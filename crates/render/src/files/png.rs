@@ -14,8 +14,8 @@ use std::path::Path;
 pub enum Exposure {
     /// Radiance times 2^EV: at 0, a radiance of 1 is white.
     Ev(f32),
-    /// The 95th percentile of the luminance of all pixels that are not black becomes white, the exposure being rounded to
-    /// a tenth. A small lamp in the picture then does not darken the room around it.
+    /// The 95th percentile of the largest channel of all pixels that are not black becomes white, the exposure being rounded
+    /// to a tenth. A small lamp in the picture then does not darken the room around it, and coloured walls keep their colour.
     Auto,
 }
 
@@ -47,8 +47,8 @@ pub fn write_png(path: &Path, image: &Image, exposure: Exposure) -> Result<f32, 
 }
 
 fn automatic_ev(image: &Image) -> f32 {
-    let luminance = image.pixels.iter().copied().map(Spectrum::luminance);
-    let mut lit: Vec<f32> = luminance.filter(|l| l.is_finite() && *l > 0.0).collect();
+    let largest = image.pixels.iter().copied().map(Spectrum::largest);
+    let mut lit: Vec<f32> = largest.filter(|l| l.is_finite() && *l > 0.0).collect();
     if lit.is_empty() {
         return 0.0;
     }
