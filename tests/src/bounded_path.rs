@@ -6,8 +6,9 @@ use manylight_reference::PathTracer;
 use manylight_sampling::Stream;
 use manylight_scene::{Mode, Scene};
 
-/// L_e + direct light + T_b of what the second vertex sends without its emission, where T_b keeps min(G, b): estimated by path
-/// tracing, with nothing of the virtual lights' code. For scenes without delta lobes on what the camera sees.
+/// The indirect light that a bound keeps: T_b of what the second vertex sends without its emission, T_b keeping min(G, b).
+/// Estimated by path tracing, with nothing of the virtual lights' code. Emission and direct light (`min-depth=3` leaves them out
+/// of a method) would only add noise that both sides have alike. For scenes without delta lobes on what the camera sees.
 pub struct BoundedPath<B> {
     /// The bound.
     pub bounding: B,
@@ -26,8 +27,6 @@ impl<B: Bounding> Integrator for BoundedPath<B> {
         Ok(())
     }
     fn radiance(&self, scene: &Scene, _: &(), ray: &Ray, probe: &mut Probe, s: &mut Stream) -> Spectrum {
-        let two = PathTracer { max_edges: self.max_edges.min(2), ..PathTracer::default() };
-        let seen_and_direct = two.radiance(scene, &(), ray, probe, s);
         let kept = || -> Option<Spectrum> {
             let x = scene.intersect(ray, Mode::Radiance)?;
             let next = x.sample(s.next_f32(), s.next_2d())?;
@@ -40,6 +39,6 @@ impl<B: Bounding> Integrator for BoundedPath<B> {
                 PathTracer { min_edges: 2, max_edges: self.max_edges.saturating_sub(1), ..PathTracer::default() };
             Some(next.weight * rest.radiance(scene, &(), &ray, probe, s) * self.bounding.keep(&pair))
         }();
-        seen_and_direct + kept.unwrap_or(Spectrum::BLACK)
+        kept.unwrap_or(Spectrum::BLACK)
     }
 }
