@@ -115,7 +115,7 @@ pub struct Pixel {
     pub vertex: Vertex,
     /// Surface that the pixel stands for. [m^2]
     pub area: f32,
-    /// Distance from the camera. [m]
+    /// Distance from the camera. \[m\]
     pub depth: f32,
     /// Product of the delta lobes on the way from the eye.
     pub throughput: Spectrum,

@@ -6,7 +6,7 @@ use manylight_sampling::{Purpose, Stream};
 use manylight_scene::{Camera, FilterSampler};
 use std::sync::Mutex;
 
-/// Side of a tile. [pixel]
+/// Side of a tile. \[pixel\]
 pub const TILE: usize = 16;
 
 /// Linear RGB pixels, row by row from the upper left.

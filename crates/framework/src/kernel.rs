@@ -25,7 +25,7 @@ pub struct Pair {
     pub lobes: Option<f32>,
 }
 
-/// Transport between one kind of receiver and one kind of light: E[value] = contribution without occlusion.
+/// Transport between one kind of receiver and one kind of light: E\[value\] = contribution without occlusion.
 #[diagnostic::on_unimplemented(message = "kernel `{Self}` cannot connect a receiver `{R}` to a light `{L}`")]
 pub trait Kernel<R, L>: Promise + Sync {
     /// `None`: nothing can arrive, whatever lies between.
@@ -56,7 +56,7 @@ pub trait Reaches<R, C>: Sync {
 /// Facts about a cluster seen from a receiver. Only `facing_max == 0` is a promise: nothing in the cluster can contribute.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
-    /// Of the cluster. [W]
+    /// Of the cluster. \[W\]
     pub intensity: f32,
     /// Largest eval of the receiver towards the box. [1/sr]
     pub facing_max: f32,
@@ -68,6 +68,6 @@ pub struct Reach {
     pub far2: f32,
     /// Squared distance to the box's centre. [m^2]
     pub centre2: f32,
-    /// Half the box's diagonal. [m]
+    /// Half the box's diagonal. \[m\]
     pub radius: f32,
 }
