@@ -60,7 +60,8 @@ impl PathClasses {
     }
 }
 
-/// What an estimate promises.
+/// What an estimate promises. Each part speaks for itself, as if all others were exact; `and` makes the whole. A light set that
+/// draws lights at random, say, is [`Claim::UNBIASED`], whatever becomes of its lights' bounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Claim {
     /// Does the estimate vary from pass to pass?

@@ -15,6 +15,8 @@
 //! | the part that was taken | [`Compensator`], [`FrameCompensator`] | an estimate of it at a point, or for a whole frame |
 //! | an image | [`Integrator`], and its object-safe face [`Method`] | one pass after another |
 //!
+//! The light set only gives the sum: emission and direct light are the integrator's, which also walks mirrors and glass.
+//!
 //! A light set never sees a scene, a BSDF or a ray. It asks ([`Contribute`], [`Unshadowed`], [`BoundCluster`],
 //! [`ReachCluster`], [`Located`], [`Limited`]) and [`Gather`] answers, as far as its kernel can: lightcuts over a kernel that
 //! cannot bound is a compile error that names the missing answer.
@@ -50,7 +52,43 @@
 //! }
 //! ```
 //!
-//! `examples/05_your_own_light_set.rs` of the facade crate renders with such a set.
+//! To test it, no scene is needed: a receiver is whatever answers the questions.
+//!
+//! ```
+//! # use manylight_framework::{Contribute, VirtualLight};
+//! # use manylight_math::Spectrum;
+//! # use manylight_sampling::Stream;
+//! #[derive(Clone, Copy)]
+//! struct Toy(f32);
+//! impl VirtualLight for Toy {
+//!     fn intensity(&self) -> f32 { self.0 }
+//!     fn edges(&self) -> u32 { 1 }
+//! }
+//! struct Here;
+//! impl Contribute<Toy> for Here {
+//!     fn contribution(&mut self, light: &Toy, _: &mut Stream) -> Spectrum { Spectrum::gray(light.0) }
+//! }
+//! ```
+//!
+//! To render with it, hand the plan to the composite integrator, `ManyLights` of the crate `manylight-many-lights`. The other
+//! parts come from crates of their own; these are what is there to begin with:
+//!
+//! ```text
+//! ManyLights {
+//!     generator: Box::new(Keller { .. }),        // manylight-vpl: lights of type Vpl
+//!     plan: EverySecond,                         // yours
+//!     kernel: Points,                            // manylight-vpl: answers Contribute and Unshadowed about a Vpl
+//!     bounding: BoundPlanKind::Auto,             // manylight-compensation: the plan of a bound, not a bound
+//!     compensator: Box::new(NoCompensation),     // this crate
+//!     max_edges: 6, min_edges: 1,                // path lengths, emitter to eye; 2 is direct light
+//! }
+//! ```
+//!
+//! It is an [`Integrator`], hence a [`Method`], which `render` of the crate `manylight-render` turns into an image. Two methods
+//! that differ in their light set alone have, for the same seed and pass, the same virtual lights and camera rays, and the same
+//! direct light where a path first asks for it: compare them pass by pass, and that noise cancels.
+//!
+//! `examples/05_your_own_light_set.rs` of the facade crate does all of this in one file.
 
 mod bounding;
 mod claim;

@@ -4,7 +4,7 @@ use manylight_math::Vec3;
 
 /// A virtual light.
 pub trait VirtualLight: Copy + Send + Sync + 'static {
-    /// Luminance of its power; positive for every light that is worth storing. \[W\]
+    /// Luminance of its power; positive for every light that is worth storing, but a set that divides by it checks. \[W\]
     fn intensity(&self) -> f32;
     /// Edges from the emitter to this light: 0 on the emitter itself. What `max-depth` and residuals count.
     fn edges(&self) -> u32;

@@ -10,7 +10,7 @@ pub struct Probe {
     pub camera_rays: u64,
     /// Rays of paths: those of light paths, and those of eye paths after their first.
     pub path_rays: u64,
-    /// Rays that ask only whether an edge is clear.
+    /// Rays that ask only whether an edge is clear: those to lights, those of direct light, and those of building a light set.
     pub shadow_rays: u64,
     /// Light paths walked.
     pub light_paths: u64,
@@ -18,7 +18,7 @@ pub struct Probe {
     pub broken_paths: u64,
     /// Virtual lights made.
     pub lights: u64,
-    /// Lights asked for their contribution.
+    /// Lights asked for their contribution, with its shadow or without: the same light, if it is asked twice, counts twice.
     pub evaluations: u64,
     /// Samples that were NaN, infinite or negative: left out of the image (as black) and reported.
     pub non_finite: NonFinite,

@@ -5,13 +5,24 @@
 //!
 //! ```
 //! use manylight::recipes;
-//! use manylight::render::{Budget, NoObserver, Settings, render};
+//! use manylight::render::{Budget, Progress, Settings, render};
 //! use manylight::scene_io::{LoadOptions, load};
+//! use std::sync::atomic::AtomicBool;
+//!
+//! // A closed sphere, which looks the same everywhere: its wall emits 1 and reflects half, so the radiance is 2.
 //! # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/furnace/scene.xml");
 //! let scene = load(file.as_ref(), &LoadOptions { size: Some((8, 8)), ..LoadOptions::default() })?.scene;
-//! let recipe = recipes::build("instant-radiosity", &[("paths".into(), "16".into())], &scene)?;
+//! let recipe = recipes::build("instant-radiosity", &[("paths".into(), "256".into())], &scene)?;
+//! let settings = Settings { budget: Budget::Passes(1), seed: 0, spp: recipe.spp, threads: None };
+//! // Who watches (here nobody), and a flag by which another thread may stop it (here never).
+//! let done = render(&scene, &*recipe.method, &settings, &mut |_: &Progress| {}, &AtomicBool::new(false))?;
+//! let mean = done.image.pixels.iter().map(|p| p.mean()).sum::<f32>() / 64.0;
+//! assert!((mean - 2.0).abs() < 0.2, "{mean}");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! In `examples/` of this crate: 01 is a furnace, 02 an image by virtual point lights whose method is put together by hand, and
+//! 05 a light set of your own. `cargo run --release -p manylight --example 01_furnace` runs the first.
 
 pub use manylight_bsdf as bsdf;
 pub use manylight_compensation as compensation;
