@@ -6,7 +6,7 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use manylight_benches::scene_file;
-use manylight_compensation::{Bound, BoundPlanKind};
+use manylight_compensation::{Bound, BoundPlan};
 use manylight_framework::{BoundingPlan, Gather, Generator, LightSet, Occlusion, Plan, Probe, Unshadowed};
 use manylight_geometry::shadow_segment;
 use manylight_light_list::{All, AllLights};
@@ -65,7 +65,7 @@ impl Setting {
     }
     /// What `ask` finds at all receivers together.
     fn sum(&self, probe: &mut Probe, ask: impl Fn(&mut Gather<'_, Vertex, Points, Bound>) -> Spectrum) -> Spectrum {
-        let bound = BoundPlanKind::Auto.at(&self.scene, 0, LIGHTS as u64);
+        let bound = BoundPlan::Auto.at(&self.scene, 0, LIGHTS as u64);
         let mut sum = Spectrum::BLACK;
         for receiver in &self.receivers {
             let (edges_left, edges_least) = (u32::MAX, 0);

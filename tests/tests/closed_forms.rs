@@ -48,7 +48,7 @@ fn one_light_path_in_a_sphere_gives_every_truncation_exactly() {
                 generator: Box::new(Sum(vec![Box::new(keller), Box::new(Emitters { paths: 1 })])),
                 plan: All,
                 kernel: Points,
-                bounding: manylight_compensation::BoundPlanKind::None,
+                bounding: manylight_compensation::BoundPlan::None,
                 compensator: Box::new(NoCompensation),
                 max_edges: k,
                 min_edges: 1,

@@ -15,4 +15,4 @@ mod bound;
 mod plan;
 
 pub use bound::Bound;
-pub use plan::BoundPlanKind;
+pub use plan::BoundPlan;

@@ -6,7 +6,7 @@ use manylight_scene::Scene;
 
 /// How the bound of a pass is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BoundPlanKind {
+pub enum BoundPlan {
     /// No bound.
     None,
     /// The same always. [1/m^2]
@@ -20,28 +20,28 @@ pub enum BoundPlanKind {
     Auto,
 }
 
-impl Promise for BoundPlanKind {
+impl Promise for BoundPlan {
     fn claim(&self) -> Claim {
         match self {
-            BoundPlanKind::None => Claim::EXACT,
-            BoundPlanKind::Fixed(_) => Claim::DARKENS,
-            BoundPlanKind::Auto => Claim { vanishes_with: KnobSet::PATHS, ..Claim::DARKENS },
+            BoundPlan::None => Claim::EXACT,
+            BoundPlan::Fixed(_) => Claim::DARKENS,
+            BoundPlan::Auto => Claim { vanishes_with: KnobSet::PATHS, ..Claim::DARKENS },
         }
     }
 }
-impl BoundingPlan for BoundPlanKind {
+impl BoundingPlan for BoundPlan {
     type Pass = Bound;
     fn at(&self, scene: &Scene, _pass: u64, paths: u64) -> Bound {
         match *self {
-            BoundPlanKind::None => Bound::None,
-            BoundPlanKind::Fixed(b) => Bound::Geometry(b),
-            BoundPlanKind::Auto => {
+            BoundPlan::None => Bound::None,
+            BoundPlan::Fixed(b) => Bound::Geometry(b),
+            BoundPlan::Auto => {
                 let b = std::f64::consts::PI * paths.max(1) as f64 / scene.area();
                 if b.is_finite() { Bound::Geometry((b as f32).max(f32::MIN_POSITIVE)) } else { Bound::None }
             }
         }
     }
     fn tames(&self) -> bool {
-        *self != BoundPlanKind::None
+        *self != BoundPlan::None
     }
 }

@@ -78,7 +78,7 @@
 //!     generator: Box::new(Keller { .. }),        // manylight-vpl: lights of type Vpl
 //!     plan: EverySecond,                         // yours
 //!     kernel: Points,                            // manylight-vpl: answers Contribute and Unshadowed about a Vpl
-//!     bounding: BoundPlanKind::Auto,             // manylight-compensation: the plan of a bound, not a bound
+//!     bounding: BoundPlan::Auto,             // manylight-compensation: the plan of a bound, not a bound
 //!     compensator: Box::new(NoCompensation),     // this crate
 //!     max_edges: 6, min_edges: 1,                // path lengths, emitter to eye; 2 is direct light
 //! }

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p manylight --example 02_vpl_cornell` writes vpl_cornell.exr and vpl_cornell.png where it is run.
 
-use manylight::compensation::BoundPlanKind;
+use manylight::compensation::BoundPlan;
 use manylight::framework::{NoCompensation, Promise};
 use manylight::light_list::All;
 use manylight::many_lights::ManyLights;
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         plan: All,
         kernel: Points,
         // cos cos / d^2 is bounded, against splotches; what that takes from the corners is not put back.
-        bounding: BoundPlanKind::Auto,
+        bounding: BoundPlan::Auto,
         compensator: Box::new(NoCompensation),
         max_edges,
         min_edges: 1,

@@ -11,7 +11,7 @@
 //!
 //! `cargo run --release -p manylight --example 05_your_own_light_set`
 
-use manylight::compensation::BoundPlanKind;
+use manylight::compensation::BoundPlan;
 use manylight::framework::{
     BuildError, Claim, Contribute, LightSet, Method, NoCompensation, Occlusion, Plan, Promise, Unshadowed, VirtualLight,
 };
@@ -79,7 +79,7 @@ impl<L: VirtualLight, Q: Unshadowed<L> + Contribute<L>> LightSet<Q> for Candidat
 }
 
 /// Keller's lights, the point kernel and a bound: everything but the light set.
-fn with<P: Plan<Vec<Vpl>>>(plan: P, max_edges: u32) -> ManyLights<Vec<Vpl>, P, Points, BoundPlanKind> {
+fn with<P: Plan<Vec<Vpl>>>(plan: P, max_edges: u32) -> ManyLights<Vec<Vpl>, P, Points, BoundPlan> {
     ManyLights {
         generator: Box::new(Keller {
             paths: 256,
@@ -89,7 +89,7 @@ fn with<P: Plan<Vec<Vpl>>>(plan: P, max_edges: u32) -> ManyLights<Vec<Vpl>, P, P
         }),
         plan,
         kernel: Points,
-        bounding: BoundPlanKind::Auto,
+        bounding: BoundPlan::Auto,
         compensator: Box::new(NoCompensation),
         max_edges,
         min_edges: 1,

@@ -2,7 +2,7 @@
 
 use crate::RecipeError;
 use crate::values::Values;
-use manylight_compensation::BoundPlanKind;
+use manylight_compensation::BoundPlan;
 use manylight_framework::{Generator, Method, NoCompensation, Plan};
 use manylight_light_list::{All, Power};
 use manylight_many_lights::ManyLights;
@@ -56,16 +56,16 @@ fn composed<P>(
 ) -> Result<Box<dyn Method>, RecipeError>
 where
     P: Plan<Vec<Vpl>> + 'static,
-    ManyLights<Vec<Vpl>, P, Points, BoundPlanKind>: Method,
+    ManyLights<Vec<Vpl>, P, Points, BoundPlan>: Method,
 {
     let (min_edges, max_edges) = v.depths(scene)?;
     let bounding = match v.text("bound") {
-        "none" => BoundPlanKind::None,
-        "auto" => BoundPlanKind::Auto,
-        _ => BoundPlanKind::Fixed(v.number("bound")?),
+        "none" => BoundPlan::None,
+        "auto" => BoundPlan::Auto,
+        _ => BoundPlan::Fixed(v.number("bound")?),
     };
     // Nothing to bound, nothing to lose.
-    let bounding = if v.text("direct") == "only" { BoundPlanKind::None } else { bounding };
+    let bounding = if v.text("direct") == "only" { BoundPlan::None } else { bounding };
     let compensator = Box::new(NoCompensation);
     Ok(Box::new(ManyLights { generator, plan, kernel: Points, bounding, compensator, max_edges, min_edges }))
 }
