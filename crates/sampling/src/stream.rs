@@ -1,6 +1,11 @@
 //! Counter-based random streams.
+//!
+//! The generator behind rand's traits is our own: its numbers depend on their place alone, and are the same on every platform.
 
 use manylight_math::Vec2;
+use rand::TryRng;
+use rand::rand_core::utils::fill_bytes_via_next_word;
+use std::convert::Infallible;
 
 /// What a stream is drawn for. Streams of different purposes never share a number, so that one part of a method can be
 /// changed without moving the random numbers of another.
@@ -24,6 +29,18 @@ impl Purpose {
 /// evaluation, the same place gives the same numbers.
 ///
 /// The n-th number is a mix of a 64-bit key and the counter n (the finaliser of SplitMix64, Steele et al. 2014).
+///
+/// It is a [`rand::Rng`], so that whatever draws from one draws from it. It is no `SeedableRng`: a stream comes from its place.
+///
+/// ```
+/// use manylight_sampling::{Purpose, Stream};
+/// use rand::{RngExt, seq::SliceRandom};
+/// let mut stream = Stream::new(1, [0, 42, 0], Purpose::TEST);
+/// let die = stream.random_range(1..=6);
+/// let mut order = [0, 1, 2, 3];
+/// order.shuffle(&mut stream);
+/// assert!((1..=6).contains(&die));
+/// ```
 #[derive(Clone, Debug)]
 pub struct Stream {
     key: u64,
@@ -63,6 +80,21 @@ impl Stream {
     }
 }
 
+/// [`rand::Rng`] follows from this.
+impl TryRng for Stream {
+    type Error = Infallible;
+
+    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+        Ok((self.next_u64() >> 32) as u32)
+    }
+    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+        Ok(self.next_u64())
+    }
+    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        fill_bytes_via_next_word(bytes, || self.try_next_u64())
+    }
+}
+
 fn mix(z: u64) -> u64 {
     let z = z.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -73,6 +105,16 @@ fn mix(z: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::distr::StandardUniform;
+    use rand::seq::SliceRandom;
+    use rand::{Rng, RngExt};
+    use std::collections::HashMap;
+
+    /// The same stream twice.
+    fn twins() -> (Stream, Stream) {
+        let s = Stream::new(7, [1, 2, 3], Purpose::TEST);
+        (s.clone(), s)
+    }
 
     #[test]
     fn a_stream_is_a_pure_function_of_its_place() {
@@ -104,5 +146,51 @@ mod tests {
             assert!(s.next_f32() < 1.0 && s.next_f64() < 1.0 && p.x < 1.0 && p.y < 1.0 && s.next_below(3) < 3);
         }
         assert!((0xff_ffffu32 as f32) / ((1u64 << 24) as f32) < 1.0);
+    }
+    #[test]
+    fn the_numbers_are_these_for_good() {
+        let mut s = Stream::new(1, [2, 3, 4], Purpose::TEST);
+        assert_eq!([(); 3].map(|()| s.next_u64()), [18297004953243371522, 14460950057096645786, 16302398736872535320]);
+    }
+    #[test]
+    fn rand_sees_the_numbers_of_the_stream() {
+        let (mut ours, mut theirs) = twins();
+        assert_eq!(Rng::next_u64(&mut theirs), ours.next_u64());
+        assert_eq!(Rng::next_u32(&mut theirs), (ours.next_u64() >> 32) as u32);
+        let mut bytes = [0; 11];
+        Rng::fill_bytes(&mut theirs, &mut bytes);
+        assert_eq!(bytes[..8], ours.next_u64().to_le_bytes());
+        assert_eq!(bytes[8..], ours.next_u64().to_le_bytes()[..3]);
+        assert_eq!(theirs.random::<f64>(), ours.next_f64());
+    }
+    #[test]
+    fn distributions_and_shuffles_of_rand_draw_from_a_stream() {
+        const N: usize = 60_000;
+        // Within five standard deviations of the mean.
+        let near = |mean: f64, want: f64, deviation: f64| (mean - want).abs() < 5.0 * deviation / (N as f64).sqrt();
+        let (mut s, _) = twins();
+        let mean = (0..N).map(|_| s.sample::<f64, _>(StandardUniform)).sum::<f64>() / N as f64;
+        assert!(near(mean, 0.5, 12f64.sqrt().recip()), "{mean}");
+        let mean = (0..N).map(|_| f64::from(s.random_range(-3..=3))).sum::<f64>() / N as f64;
+        assert!(near(mean, 0.0, 2.0), "{mean}");
+        // Each of the 6 orders equally often.
+        let mut counts = HashMap::new();
+        for _ in 0..N {
+            let mut order = [0, 1, 2];
+            order.shuffle(&mut s);
+            *counts.entry(order).or_insert(0) += 1;
+        }
+        assert_eq!(counts.len(), 6);
+        assert!(counts.values().all(|&n| near(f64::from(n) / N as f64, 1.0 / 6.0, (5f64 / 36.0).sqrt())), "{counts:?}");
+    }
+    #[test]
+    fn what_rand_draws_is_a_pure_function_of_the_place() {
+        let draw = |mut s: Stream| {
+            let mut order: [u8; 32] = std::array::from_fn(|i| i as u8);
+            order.shuffle(&mut s);
+            (order, s.random_range(0..1000), s.random_bool(0.5), s.random::<[u32; 4]>())
+        };
+        let (a, b) = twins();
+        assert_eq!(draw(a), draw(b));
     }
 }

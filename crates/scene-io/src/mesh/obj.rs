@@ -1,20 +1,22 @@
-//! Wavefront OBJ. As in Mitsuba, a file is one mesh: groups, objects, materials and vertex colours are passed over.
+//! Wavefront OBJ through tobj. As in Mitsuba, a file is one mesh: groups, objects, materials and vertex colours are passed
+//! over.
 //!
-//! Written out rather than taken from tobj 4.0.5: that knows no line numbers, overflows on negative texture and normal
-//! indices, mixes up normals that only some faces have, and panics on legal MTL files.
+//! tobj 4.0.5 names no lines, accepts numbers that are not finite, overflows on negative texture and normal indices, divides
+//! by weights that Mitsuba passes over, and panics on legal MTL files: [`Prepared`] checks each line first, and writes down
+//! anew what tobj reads without surprise.
 
 use super::RawMesh;
 use manylight_math::{Vec2, Vec3};
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::path::Path;
 
 /// Reads a file's content.
 pub(crate) fn read(bytes: &[u8]) -> Result<RawMesh, String> {
-    let mut file = File::default();
+    let mut prepared = Prepared { text: String::with_capacity(bytes.len()), ..Prepared::default() };
     for (number, line) in lines(bytes) {
-        file.line(number, &line).map_err(|e| format!("line {number}: {e}"))?;
+        prepared.line(number, &line).map_err(|e| format!("line {number}: {e}"))?;
     }
-    file.finish()?.check()
+    prepared.mesh()?.check()
 }
 
 /// Lines with their numbers, comments cut off, lines that end in a backslash joined with the next.
@@ -32,136 +34,128 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// Indices of position, texture coordinate and normal.
-type Corner = [u32; 3];
-const MISSING: u32 = u32::MAX;
-const WHAT: [&str; 3] = ["vertices", "texture coordinates", "normals"];
+/// What lines declare: keyword, least and most numbers (weights and colours that follow are passed over), name of many.
+const KINDS: [(&str, usize, usize, &str); 3] =
+    [("v", 3, 3, "vertices"), ("vt", 1, 2, "texture coordinates"), ("vn", 3, 3, "normals")];
 
-/// What has been read so far.
+/// The geometry alone, in lines that tobj cannot stumble on.
 #[derive(Default)]
-struct File {
-    positions: Vec<Vec3>,
-    uvs: Vec<Vec2>,
-    normals: Vec<Vec3>,
-    triangles: Vec<[Corner; 3]>,
+struct Prepared {
+    text: String,
+    counts: [usize; 3],
     /// Faces may come before their vertices: the largest index of each kind, and its line.
-    largest: [(u32, usize); 3],
+    largest: [(i64, usize); 3],
     incomplete_faces: usize,
 }
 
-impl File {
+impl Prepared {
     fn line(&mut self, number: usize, line: &str) -> Result<(), String> {
         let mut words = line.split_ascii_whitespace();
-        match words.next() {
-            Some("v") => self.positions.push(Vec3::from(numbers(words, 3)?)),
-            Some("vn") => self.normals.push(Vec3::from(numbers(words, 3)?)),
-            Some("vt") => {
-                let [u, v, _] = numbers(words.take(2), 1)?;
-                self.uvs.push(Vec2::new(u, v));
-            }
-            Some("f") => self.face(number, words)?,
-            _ => {}
+        let keyword = words.next().unwrap_or_default();
+        if let Some(kind) = KINDS.iter().position(|k| k.0 == keyword) {
+            self.numbers(kind, words)
+        } else if keyword == "f" {
+            self.face(number, words)
+        } else {
+            Ok(())
         }
+    }
+
+    fn numbers<'a>(&mut self, kind: usize, words: impl Iterator<Item = &'a str>) -> Result<(), String> {
+        let (keyword, least, most, _) = KINDS[kind];
+        self.text += keyword;
+        let mut found = 0;
+        for word in words.take(most) {
+            let x: f32 = word.parse().map_err(|_| format!("`{}` is not a number", shorten(word)))?;
+            if !x.is_finite() {
+                return Err(format!("`{}` is not finite", shorten(word)));
+            }
+            self.text.extend([" ", word]);
+            found += 1;
+        }
+        if found < least {
+            return Err(format!("expected {least} numbers, found {found}"));
+        }
+        self.text.extend(std::iter::repeat_n(" 0", most - found));
+        self.text.push('\n');
+        self.counts[kind] += 1;
         Ok(())
     }
 
-    /// A polygon, as a fan.
-    fn face<'a>(&mut self, number: usize, mut words: impl Iterator<Item = &'a str>) -> Result<(), String> {
-        let mut corner = || words.next().map(|word| self.corner(number, word)).transpose();
-        let (Some(first), Some(mut before)) = (corner()?, corner()?) else {
-            self.incomplete_faces += 1;
-            return Ok(());
-        };
-        let mut whole = false;
+    fn face<'a>(&mut self, number: usize, words: impl Iterator<Item = &'a str>) -> Result<(), String> {
+        let start = self.text.len();
+        self.text.push('f');
+        let mut corners = 0;
         for word in words {
-            let next = self.corner(number, word)?;
-            self.triangles.push([first, before, next]);
-            (before, whole) = (next, true);
+            self.corner(number, word)?;
+            corners += 1;
         }
-        self.incomplete_faces += usize::from(!whole);
+        if corners < 3 {
+            self.text.truncate(start);
+            self.incomplete_faces += 1;
+        } else {
+            self.text.push('\n');
+        }
         Ok(())
     }
 
     /// v, v/vt, v//vn or v/vt/vn; counted from 1, or below zero backwards from the last.
-    fn corner(&mut self, line: usize, word: &str) -> Result<Corner, String> {
+    fn corner(&mut self, line: usize, word: &str) -> Result<(), String> {
         let malformed = || format!("`{}` is no corner of a face: expected v, v/vt, v//vn or v/vt/vn", shorten(word));
-        let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
-        let mut corner = [MISSING; 3];
         for (i, index) in word.split('/').enumerate() {
-            if i >= 3 {
+            if i >= KINDS.len() {
                 return Err(malformed());
             }
+            self.text.push(if i == 0 { ' ' } else { '/' });
             if index.is_empty() && i > 0 {
                 continue;
             }
             let signed: i64 = index.parse().map_err(|_| malformed())?;
-            let place = if signed < 0 { signed.saturating_add(counts[i] as i64) } else { signed - 1 };
-            if !(0..i64::from(MISSING)).contains(&place) {
-                return Err(format!("`{}` names number {signed} of {} {}", shorten(word), counts[i], WHAT[i]));
+            let count = self.counts[i];
+            let place = if signed < 0 { signed.saturating_add(count as i64 + 1) } else { signed };
+            if !(1..=i64::from(u32::MAX)).contains(&place) {
+                return Err(format!("`{}` names number {signed} of {count} {}", shorten(word), KINDS[i].3));
             }
-            corner[i] = place as u32;
-            self.largest[i] = self.largest[i].max((place as u32 + 1, line));
+            self.largest[i] = self.largest[i].max((place, line));
+            let resolved = (signed < 0).then(|| place.to_string());
+            self.text += resolved.as_deref().unwrap_or(index);
         }
-        Ok(corner)
+        Ok(())
     }
 
-    /// One vertex for each distinct corner, in the order of their first use.
-    fn finish(self) -> Result<RawMesh, String> {
-        for (i, count) in [self.positions.len(), self.uvs.len(), self.normals.len()].into_iter().enumerate() {
-            let (largest, line) = self.largest[i];
-            if largest as usize > count {
-                return Err(format!("line {line}: a face names number {largest} of {count} {}", WHAT[i]));
+    /// One vertex for each distinct corner, in the order of their first use; polygons as fans.
+    fn mesh(self) -> Result<RawMesh, String> {
+        for ((largest, line), (count, kind)) in self.largest.into_iter().zip(self.counts.into_iter().zip(KINDS)) {
+            if largest > count as i64 {
+                return Err(format!("line {line}: a face names number {largest} of {count} {}", kind.3));
             }
         }
-        let mut raw = RawMesh::default();
-        let mut remark = |what: String| raw.remarks.push(what);
-        let has = |i: usize| {
-            let mut corners = self.triangles.as_flattened().iter().map(|c| c[i] != MISSING);
-            (corners.clone().any(|b| b), corners.all(|b| b))
+        let no_materials = |_: &Path| Err(tobj::LoadError::GenericFailure);
+        let (models, _) = tobj::load_obj_buf(&mut self.text.as_bytes(), &tobj::GPU_LOAD_OPTIONS, no_materials)
+            .map_err(|e| e.to_string())?;
+        let mesh = models.into_iter().next().map(|model| model.mesh).unwrap_or_default();
+        let mut raw = RawMesh {
+            positions: mesh.positions.chunks_exact(3).map(Vec3::from_slice).collect(),
+            normals: mesh.normals.chunks_exact(3).map(Vec3::from_slice).collect(),
+            uvs: mesh.texcoords.chunks_exact(2).map(Vec2::from_slice).collect(),
+            triangles: mesh.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+            remarks: Vec::new(),
         };
-        let (some_uvs, all_uvs) = has(1);
-        let (some_normals, all_normals) = has(2);
-        if some_uvs && !all_uvs {
-            remark("some faces have texture coordinates and some have none: all are passed over".into());
+        // tobj leaves out what a corner does not have: the rest has lost its vertices.
+        let vertices = raw.positions.len();
+        if !raw.uvs.is_empty() && raw.uvs.len() < vertices {
+            raw.uvs.clear();
+            raw.remarks.push("some faces have texture coordinates and some have none: all are passed over".into());
         }
-        if some_normals && !all_normals {
-            remark("some faces have normals and some have none: all are computed".into());
+        if !raw.normals.is_empty() && raw.normals.len() < vertices {
+            raw.normals.clear();
+            raw.remarks.push("some faces have normals and some have none: all are computed".into());
         }
         if self.incomplete_faces > 0 {
-            remark(format!("{} faces of fewer than three corners are passed over", self.incomplete_faces));
-        }
-        let mut vertices: HashMap<Corner, u32> = HashMap::with_capacity(self.positions.len());
-        for triangle in &self.triangles {
-            raw.triangles.push(triangle.map(|corner| {
-                *vertices.entry(corner).or_insert_with(|| {
-                    let [p, t, n] = corner.map(|i| i as usize);
-                    raw.positions.push(self.positions[p]);
-                    if some_uvs && all_uvs {
-                        raw.uvs.push(self.uvs[t]);
-                    }
-                    if some_normals && all_normals {
-                        raw.normals.push(self.normals[n]);
-                    }
-                    raw.positions.len() as u32 - 1
-                })
-            }));
+            raw.remarks.push(format!("{} faces of fewer than three corners are passed over", self.incomplete_faces));
         }
         Ok(raw)
     }
-}
-
-/// Up to three numbers, at least `least`; what follows (colours, weights) is passed over.
-fn numbers<'a>(words: impl Iterator<Item = &'a str>, least: usize) -> Result<[f32; 3], String> {
-    let mut out = [0f32; 3];
-    let mut found = 0;
-    for (x, word) in out.iter_mut().zip(words) {
-        *x = word.parse().map_err(|_| format!("`{}` is not a number", shorten(word)))?;
-        if !x.is_finite() {
-            return Err(format!("`{}` is not finite", shorten(word)));
-        }
-        found += 1;
-    }
-    if found < least { Err(format!("expected {least} numbers, found {found}")) } else { Ok(out) }
 }
 
 fn shorten(word: &str) -> String {
