@@ -122,24 +122,19 @@ impl Boundable for Box3 {
 }
 
 impl Geometry {
-    /// Builds the tree. Triangles without area, and repetitions of a triangle within one shape, can not be hit and are left
-    /// out of it.
-    pub fn build(shapes: Vec<ShapeGeometry>) -> Result<Self, GeometryError> {
+    /// Builds the tree. Triangles without area, and repetitions of a triangle within one shape, can not be hit: they are taken
+    /// out of their meshes, so that what has an area, and may shine, is what rays meet.
+    pub fn build(mut shapes: Vec<ShapeGeometry>) -> Result<Self, GeometryError> {
         let mut primitives = Vec::new();
         let mut bounds = Aabb::EMPTY;
-        for (i, shape) in shapes.iter().enumerate() {
+        for (i, shape) in shapes.iter_mut().enumerate() {
             validate(i, shape)?;
             bounds = bounds.join(&shape.bounds());
             match shape {
                 ShapeGeometry::Mesh(mesh) => {
-                    let mut seen = HashSet::with_capacity(mesh.triangles.len());
-                    for t in 0..mesh.triangles.len() {
-                        let mut key = mesh.corners(t).map(|p| p.to_array().map(f32::to_bits));
-                        key.sort_unstable();
-                        if mesh.triangle_area(t) > 0.0 && seen.insert(key) {
-                            primitives.push(Primitive { shape: i as u32, triangle: t as u32 });
-                        }
-                    }
+                    drop_what_cannot_be_hit(mesh);
+                    let triangles = 0..mesh.triangles.len() as u32;
+                    primitives.extend(triangles.map(|triangle| Primitive { shape: i as u32, triangle }));
                 }
                 _ => primitives.push(Primitive { shape: i as u32, triangle: ROUND }),
             }
@@ -174,7 +169,7 @@ impl Geometry {
             .collect();
         Ok(Geometry { shapes, bvh, primitives, corners, bounds })
     }
-    /// The shapes, in the order they were given.
+    /// The shapes, in the order they were given; their meshes without what can not be hit.
     pub fn shapes(&self) -> &[ShapeGeometry] {
         &self.shapes
     }
@@ -277,6 +272,16 @@ fn validate(i: usize, shape: &ShapeGeometry) -> Result<(), GeometryError> {
         ShapeGeometry::Sphere(s) => round(s.centre, s.radius),
         ShapeGeometry::Disk(d) => round(d.centre, d.radius),
     }
+}
+
+fn drop_what_cannot_be_hit(mesh: &mut TriangleMesh) {
+    let mut seen = HashSet::with_capacity(mesh.triangles.len());
+    let hittable = |t: &usize| {
+        let mut key = mesh.corners(*t).map(|p| p.to_array().map(f32::to_bits));
+        key.sort_unstable();
+        mesh.triangle_area(*t) > 0.0 && seen.insert(key)
+    };
+    mesh.triangles = (0..mesh.triangles.len()).filter(hittable).map(|t| mesh.triangles[t]).collect();
 }
 
 fn mesh_surface(mesh: &TriangleMesh, triangle: usize, b: Vec2) -> Surface {

@@ -173,7 +173,8 @@ impl Emitters {
     /// Density with which `sample` draws a point of an emitting shape, per area. [1/m^2]
     pub fn pdf_area(&self, emitter: u32) -> f32 {
         match &self.samplers[emitter as usize] {
-            Sampler::Area { area, .. } => (self.pmf(emitter) as f64 / area) as f32,
+            // Without area there is no point to draw.
+            Sampler::Area { area, .. } if *area > 0.0 => (self.pmf(emitter) as f64 / area) as f32,
             _ => 0.0,
         }
     }

@@ -230,6 +230,17 @@ fn a_shape_without_area_or_light_is_never_drawn_and_has_no_density() {
 }
 
 #[test]
+fn triangles_given_twice_shine_once() {
+    let mut mesh = TriangleMesh::rectangle(&DAffine3::IDENTITY);
+    mesh.triangles.extend(mesh.triangles.clone());
+    mesh.triangles.push([1, 0, 2]); // and once more, from behind
+    let scene = built(|b| lamp(b, ShapeGeometry::Mesh(mesh), Spectrum::ONE));
+    assert!((scene.area() - 4.0).abs() < 1e-6, "{} m^2", scene.area());
+    assert!((scene.emitters().pdf_area(0) - 0.25).abs() < 1e-6);
+    assert!((scene.emitters().power() / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-6);
+}
+
+#[test]
 fn a_lamp_shines_where_its_surface_faces_whatever_its_shading_normals_say() {
     // Shading normals tilted by 60 degrees: from low on one side the surface is in front, and they are turned away.
     let mut mesh = TriangleMesh::rectangle(&DAffine3::IDENTITY);
