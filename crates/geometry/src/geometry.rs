@@ -237,7 +237,7 @@ impl Geometry {
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         match &self.shapes[hit.shape as usize] {
             ShapeGeometry::Mesh(_) => self.surface_on_triangle(hit.shape, hit.triangle, hit.barycentrics),
-            ShapeGeometry::Sphere(s) => sphere_surface(s, ray.at(hit.t)),
+            ShapeGeometry::Sphere(s) => sphere_surface(s, (ray.at(hit.t) - s.centre).normalize_or(Vec3::Z)),
             ShapeGeometry::Disk(d) => disk_surface(d, ray.at(hit.t)),
         }
     }
@@ -246,13 +246,15 @@ impl Geometry {
         let ShapeGeometry::Mesh(mesh) = &self.shapes[shape as usize] else { panic!("shape {shape} is no mesh") };
         mesh_surface(mesh, triangle as usize, b)
     }
-    /// The surface of a sphere or disc nearest to `p`. Panics on a mesh.
-    pub fn surface_on_round(&self, shape: u32, p: Vec3) -> Surface {
-        match &self.shapes[shape as usize] {
-            ShapeGeometry::Sphere(s) => sphere_surface(s, p),
-            ShapeGeometry::Disk(d) => disk_surface(d, p),
-            ShapeGeometry::Mesh(_) => panic!("shape {shape} is a mesh"),
-        }
+    /// The surface of a sphere in a unit direction from its centre. Panics if the shape is no sphere.
+    pub fn surface_on_sphere(&self, shape: u32, out: Vec3) -> Surface {
+        let ShapeGeometry::Sphere(s) = &self.shapes[shape as usize] else { panic!("shape {shape} is no sphere") };
+        sphere_surface(s, out)
+    }
+    /// The surface of a disc at a point of the unit disc. Panics if the shape is no disc.
+    pub fn surface_on_disk(&self, shape: u32, at: Vec2) -> Surface {
+        let ShapeGeometry::Disk(d) = &self.shapes[shape as usize] else { panic!("shape {shape} is no disc") };
+        disk_surface(d, d.centre + (d.frame.s * at.x + d.frame.t * at.y) * d.radius)
     }
 }
 
@@ -311,8 +313,8 @@ fn mesh_surface(mesh: &TriangleMesh, triangle: usize, b: Vec2) -> Surface {
         dpdu,
     }
 }
-fn sphere_surface(s: &Sphere, p: Vec3) -> Surface {
-    let (p, n) = s.surface(p);
+fn sphere_surface(s: &Sphere, out: Vec3) -> Surface {
+    let (p, n) = s.surface(out);
     let error = error_bound(s.centre.abs().max_element() + s.radius);
     Surface { p, error, ng: n, ns: n, uv: s.uv(n), dpdu: s.dpdu(n) }
 }

@@ -215,13 +215,8 @@ impl Emitters {
                     (Some(table), _) => {
                         geometry.surface_on_triangle(*shape, table.sample(s.next_f64()) as u32, warp::triangle(u))
                     }
-                    (None, ShapeGeometry::Sphere(ball)) => {
-                        geometry.surface_on_round(*shape, ball.centre + warp::sphere(u))
-                    }
-                    (None, ShapeGeometry::Disk(disc)) => {
-                        let d = warp::disc(u) * disc.radius;
-                        geometry.surface_on_round(*shape, disc.centre + disc.frame.s * d.x + disc.frame.t * d.y)
-                    }
+                    (None, ShapeGeometry::Sphere(_)) => geometry.surface_on_sphere(*shape, warp::sphere(u)),
+                    (None, ShapeGeometry::Disk(_)) => geometry.surface_on_disk(*shape, warp::disc(u)),
                     (None, ShapeGeometry::Mesh(_)) => return None, // without area
                 };
                 let density = pmf / *area as f32;

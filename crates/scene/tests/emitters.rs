@@ -259,3 +259,25 @@ fn a_lamp_shines_where_its_surface_faces_whatever_its_shading_normals_say() {
         assert_eq!((!seen.is_black(), n.dot(to_eye) > 0.0), (shines, shines), "towards {to_eye}");
     }
 }
+
+#[test]
+fn points_of_a_ball_are_where_they_should_be_whatever_its_size_and_place() {
+    // The same numbers on a ball of radius 1 at the origin, and on a large one far off, are the same directions.
+    let of = |centre: Vec3, radius: f32| {
+        let scene = built(|b| lamp(b, ShapeGeometry::Sphere(Sphere::new(centre, radius)), Spectrum::ONE));
+        let mut s = stream(8);
+        let points = (0..1000).map(|_| {
+            let vertex = scene.sample_emitter(&mut s).unwrap().vertex;
+            let Scatter::Emitter(EmitterPoint::Lambert { n, .. }) = vertex.scatter else { panic!("no lamp") };
+            (vertex.p, n)
+        });
+        points.collect::<Vec<_>>()
+    };
+    let unit = of(Vec3::ZERO, 1.0);
+    for (centre, radius) in [(Vec3::splat(3e4), 2e4f32), (Vec3::splat(1e6), 1e6), (Vec3::splat(10.0), 1e-3)] {
+        for ((_, out), (p, n)) in unit.iter().zip(of(centre, radius)) {
+            assert!((n - *out).length() < 1e-5, "{n} is not {out}");
+            assert!((p - (centre + *out * radius)).abs().max_element() < 2e-7 * (centre.x + radius));
+        }
+    }
+}
