@@ -23,7 +23,8 @@ fn agree(what: &str, a: &Runs, b: &Runs) {
 }
 
 /// (scene, size, bound [1/m^2], light paths, passes)
-const SCENES: &[(&str, (u32, u32), f32, u64, u64)] = &[
+type Case = (&'static str, (u32, u32), f32, u64, u64);
+const SCENES: &[Case] = &[
     ("cornell-box", (16, 16), 4.0, 128, 100),
     ("corner", (16, 16), 4.0, 64, 100),
     ("ajar", (16, 10), 2.0, 512, 100),
