@@ -51,6 +51,54 @@
 //! ```
 //!
 //! `examples/05_your_own_light_set.rs` of the facade crate renders with such a set.
+//!
+//! # What does not fit does not compile
+//!
+//! A set that asks for more than a kernel can answer is an error where the two meet. This set asks for a bound of all its
+//! lights; the kernel knows none:
+//!
+//! ```compile_fail,E0277
+//! # use manylight_framework::{BoundCluster, Bounding, Bounds, Gather, LightSet};
+//! # use manylight_math::{Aabb, Spectrum};
+//! # use manylight_sampling::Stream;
+//! # use manylight_scene::Vertex;
+//! struct Cut(Aabb);
+//! impl<Q: BoundCluster<Aabb>> LightSet<Q> for Cut {
+//!     fn radiance(&self, ask: &mut Q, _: &mut Stream) -> Spectrum {
+//!         Spectrum::gray(ask.upper_bound(&self.0))
+//!     }
+//! }
+//! struct Plain; // no `impl Bounds<Vertex, Aabb> for Plain`
+//! fn gather<B: Bounding>(cut: &Cut, ask: &mut Gather<Vertex, Plain, B>, s: &mut Stream) -> Spectrum {
+//!     cut.radiance(ask, s)
+//! }
+//! ```
+//!
+//! > error\[E0277\]: kernel `Plain` has no upper bound on cluster `Aabb` at a receiver `Vertex`
+//!
+//! With the bound it does:
+//!
+//! ```
+//! # use manylight_framework::{BoundCluster, Bounding, Bounds, Gather, LightSet};
+//! # use manylight_math::{Aabb, Spectrum};
+//! # use manylight_sampling::Stream;
+//! # use manylight_scene::Vertex;
+//! # struct Cut(Aabb);
+//! # impl<Q: BoundCluster<Aabb>> LightSet<Q> for Cut {
+//! #     fn radiance(&self, ask: &mut Q, _: &mut Stream) -> Spectrum {
+//! #         Spectrum::gray(ask.upper_bound(&self.0))
+//! #     }
+//! # }
+//! # struct Plain;
+//! impl Bounds<Vertex, Aabb> for Plain {
+//!     fn upper_bound(&self, _: &Vertex, _: &Aabb, cap: f32) -> f32 {
+//!         cap
+//!     }
+//! }
+//! # fn gather<B: Bounding>(cut: &Cut, ask: &mut Gather<Vertex, Plain, B>, s: &mut Stream) -> Spectrum {
+//! #     cut.radiance(ask, s)
+//! # }
+//! ```
 
 mod bounding;
 mod claim;
