@@ -83,6 +83,8 @@ fn every_flux_is_valid_and_roulette_keeps_the_lights_of_a_path_equally_strong() 
         let scene = room(model);
         let (batch, probe) = lights(&keller(2000), &scene, 0);
         assert_eq!((batch.paths, probe.broken_paths), (2000, 0));
+        // Each path leaves a light where it first meets the wall, whether or not it can go on from there.
+        assert_eq!(batch.lights.iter().filter(|l| l.edges == 1).count(), 2000);
         let start = 4.0 * std::f32::consts::PI / 2000.0;
         for l in &batch.lights {
             assert!(l.flux.is_valid() && l.flux.luminance() > 0.0);
