@@ -78,7 +78,7 @@
 //!     generator: Box::new(Keller { .. }),        // manylight-vpl: lights of type Vpl
 //!     plan: EverySecond,                         // yours
 //!     kernel: Points,                            // manylight-vpl: answers Contribute and Unshadowed about a Vpl
-//!     bounding: BoundPlan::Auto,             // manylight-compensation: the plan of a bound, not a bound
+//!     bounding: BoundPlan::Auto,                // manylight-compensation: the plan of a bound, not a bound
 //!     compensator: Box::new(NoCompensation),     // this crate
 //!     max_edges: 6, min_edges: 1,                // path lengths, emitter to eye; 2 is direct light
 //! }
@@ -89,6 +89,54 @@
 //! direct light where a path first asks for it: compare them pass by pass, and that noise cancels.
 //!
 //! `examples/05_your_own_light_set.rs` of the facade crate does all of this in one file.
+//!
+//! # What does not fit does not compile
+//!
+//! A set that asks for more than a kernel can answer is an error where the two meet. This set asks for a bound of all its
+//! lights; the kernel knows none:
+//!
+//! ```compile_fail,E0277
+//! # use manylight_framework::{BoundCluster, Bounding, Bounds, Gather, LightSet};
+//! # use manylight_math::{Aabb, Spectrum};
+//! # use manylight_sampling::Stream;
+//! # use manylight_scene::Vertex;
+//! struct Cut(Aabb);
+//! impl<Q: BoundCluster<Aabb>> LightSet<Q> for Cut {
+//!     fn radiance(&self, ask: &mut Q, _: &mut Stream) -> Spectrum {
+//!         Spectrum::gray(ask.upper_bound(&self.0))
+//!     }
+//! }
+//! struct Plain; // no `impl Bounds<Vertex, Aabb> for Plain`
+//! fn gather<B: Bounding>(cut: &Cut, ask: &mut Gather<Vertex, Plain, B>, s: &mut Stream) -> Spectrum {
+//!     cut.radiance(ask, s)
+//! }
+//! ```
+//!
+//! > error\[E0277\]: kernel `Plain` has no upper bound on cluster `Aabb` at a receiver `Vertex`
+//!
+//! With the bound it does:
+//!
+//! ```
+//! # use manylight_framework::{BoundCluster, Bounding, Bounds, Gather, LightSet};
+//! # use manylight_math::{Aabb, Spectrum};
+//! # use manylight_sampling::Stream;
+//! # use manylight_scene::Vertex;
+//! # struct Cut(Aabb);
+//! # impl<Q: BoundCluster<Aabb>> LightSet<Q> for Cut {
+//! #     fn radiance(&self, ask: &mut Q, _: &mut Stream) -> Spectrum {
+//! #         Spectrum::gray(ask.upper_bound(&self.0))
+//! #     }
+//! # }
+//! # struct Plain;
+//! impl Bounds<Vertex, Aabb> for Plain {
+//!     fn upper_bound(&self, _: &Vertex, _: &Aabb, cap: f32) -> f32 {
+//!         cap
+//!     }
+//! }
+//! # fn gather<B: Bounding>(cut: &Cut, ask: &mut Gather<Vertex, Plain, B>, s: &mut Stream) -> Spectrum {
+//! #     cut.radiance(ask, s)
+//! # }
+//! ```
 
 mod bounding;
 mod claim;

@@ -122,24 +122,19 @@ impl Boundable for Box3 {
 }
 
 impl Geometry {
-    /// Builds the tree. Triangles without area, and repetitions of a triangle within one shape, can not be hit and are left
-    /// out of it.
-    pub fn build(shapes: Vec<ShapeGeometry>) -> Result<Self, GeometryError> {
+    /// Builds the tree. Triangles without area, and repetitions of a triangle within one shape, can not be hit: they are taken
+    /// out of their meshes, so that what has an area, and may shine, is what rays meet.
+    pub fn build(mut shapes: Vec<ShapeGeometry>) -> Result<Self, GeometryError> {
         let mut primitives = Vec::new();
         let mut bounds = Aabb::EMPTY;
-        for (i, shape) in shapes.iter().enumerate() {
+        for (i, shape) in shapes.iter_mut().enumerate() {
             validate(i, shape)?;
             bounds = bounds.join(&shape.bounds());
             match shape {
                 ShapeGeometry::Mesh(mesh) => {
-                    let mut seen = HashSet::with_capacity(mesh.triangles.len());
-                    for t in 0..mesh.triangles.len() {
-                        let mut key = mesh.corners(t).map(|p| p.to_array().map(f32::to_bits));
-                        key.sort_unstable();
-                        if mesh.triangle_area(t) > 0.0 && seen.insert(key) {
-                            primitives.push(Primitive { shape: i as u32, triangle: t as u32 });
-                        }
-                    }
+                    drop_what_cannot_be_hit(mesh);
+                    let triangles = 0..mesh.triangles.len() as u32;
+                    primitives.extend(triangles.map(|triangle| Primitive { shape: i as u32, triangle }));
                 }
                 _ => primitives.push(Primitive { shape: i as u32, triangle: ROUND }),
             }
@@ -174,7 +169,7 @@ impl Geometry {
             .collect();
         Ok(Geometry { shapes, bvh, primitives, corners, bounds })
     }
-    /// The shapes, in the order they were given.
+    /// The shapes, in the order they were given; their meshes without what can not be hit.
     pub fn shapes(&self) -> &[ShapeGeometry] {
         &self.shapes
     }
@@ -242,7 +237,7 @@ impl Geometry {
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         match &self.shapes[hit.shape as usize] {
             ShapeGeometry::Mesh(_) => self.surface_on_triangle(hit.shape, hit.triangle, hit.barycentrics),
-            ShapeGeometry::Sphere(s) => sphere_surface(s, ray.at(hit.t)),
+            ShapeGeometry::Sphere(s) => sphere_surface(s, (ray.at(hit.t) - s.centre).normalize_or(Vec3::Z)),
             ShapeGeometry::Disk(d) => disk_surface(d, ray.at(hit.t)),
         }
     }
@@ -251,13 +246,15 @@ impl Geometry {
         let ShapeGeometry::Mesh(mesh) = &self.shapes[shape as usize] else { panic!("shape {shape} is no mesh") };
         mesh_surface(mesh, triangle as usize, b)
     }
-    /// The surface of a sphere or disc nearest to `p`. Panics on a mesh.
-    pub fn surface_on_round(&self, shape: u32, p: Vec3) -> Surface {
-        match &self.shapes[shape as usize] {
-            ShapeGeometry::Sphere(s) => sphere_surface(s, p),
-            ShapeGeometry::Disk(d) => disk_surface(d, p),
-            ShapeGeometry::Mesh(_) => panic!("shape {shape} is a mesh"),
-        }
+    /// The surface of a sphere in a unit direction from its centre. Panics if the shape is no sphere.
+    pub fn surface_on_sphere(&self, shape: u32, out: Vec3) -> Surface {
+        let ShapeGeometry::Sphere(s) = &self.shapes[shape as usize] else { panic!("shape {shape} is no sphere") };
+        sphere_surface(s, out)
+    }
+    /// The surface of a disc at a point of the unit disc. Panics if the shape is no disc.
+    pub fn surface_on_disk(&self, shape: u32, at: Vec2) -> Surface {
+        let ShapeGeometry::Disk(d) = &self.shapes[shape as usize] else { panic!("shape {shape} is no disc") };
+        disk_surface(d, d.centre + (d.frame.s * at.x + d.frame.t * at.y) * d.radius)
     }
 }
 
@@ -277,6 +274,16 @@ fn validate(i: usize, shape: &ShapeGeometry) -> Result<(), GeometryError> {
         ShapeGeometry::Sphere(s) => round(s.centre, s.radius),
         ShapeGeometry::Disk(d) => round(d.centre, d.radius),
     }
+}
+
+fn drop_what_cannot_be_hit(mesh: &mut TriangleMesh) {
+    let mut seen = HashSet::with_capacity(mesh.triangles.len());
+    let hittable = |t: &usize| {
+        let mut key = mesh.corners(*t).map(|p| p.to_array().map(f32::to_bits));
+        key.sort_unstable();
+        mesh.triangle_area(*t) > 0.0 && seen.insert(key)
+    };
+    mesh.triangles = (0..mesh.triangles.len()).filter(hittable).map(|t| mesh.triangles[t]).collect();
 }
 
 fn mesh_surface(mesh: &TriangleMesh, triangle: usize, b: Vec2) -> Surface {
@@ -306,8 +313,8 @@ fn mesh_surface(mesh: &TriangleMesh, triangle: usize, b: Vec2) -> Surface {
         dpdu,
     }
 }
-fn sphere_surface(s: &Sphere, p: Vec3) -> Surface {
-    let (p, n) = s.surface(p);
+fn sphere_surface(s: &Sphere, out: Vec3) -> Surface {
+    let (p, n) = s.surface(out);
     let error = error_bound(s.centre.abs().max_element() + s.radius);
     Surface { p, error, ng: n, ns: n, uv: s.uv(n), dpdu: s.dpdu(n) }
 }

@@ -45,9 +45,8 @@ impl Sphere {
         let (near, far) = if t0 < t1 { (t0, t1) } else { (t1, t0) };
         [near, far].into_iter().map(|t| t as f32).find(|t| *t > 0.0 && *t < t_max)
     }
-    /// The hit point projected back onto the sphere, and its outward or inward normal.
-    pub(crate) fn surface(&self, p: Vec3) -> (Vec3, Vec3) {
-        let out = (p - self.centre).normalize_or(Vec3::Z);
+    /// The point in a unit direction from the centre, and its outward or inward normal.
+    pub(crate) fn surface(&self, out: Vec3) -> (Vec3, Vec3) {
         (self.centre + out * self.radius, if self.flipped { -out } else { out })
     }
     pub(crate) fn uv(&self, normal: Vec3) -> Vec2 {

@@ -173,7 +173,8 @@ impl Emitters {
     /// Density with which `sample` draws a point of an emitting shape, per area. [1/m^2]
     pub fn pdf_area(&self, emitter: u32) -> f32 {
         match &self.samplers[emitter as usize] {
-            Sampler::Area { area, .. } => (self.pmf(emitter) as f64 / area) as f32,
+            // Without area there is no point to draw.
+            Sampler::Area { area, .. } if *area > 0.0 => (self.pmf(emitter) as f64 / area) as f32,
             _ => 0.0,
         }
     }
@@ -214,13 +215,8 @@ impl Emitters {
                     (Some(table), _) => {
                         geometry.surface_on_triangle(*shape, table.sample(s.next_f64()) as u32, warp::triangle(u))
                     }
-                    (None, ShapeGeometry::Sphere(ball)) => {
-                        geometry.surface_on_round(*shape, ball.centre + warp::sphere(u))
-                    }
-                    (None, ShapeGeometry::Disk(disc)) => {
-                        let d = warp::disc(u) * disc.radius;
-                        geometry.surface_on_round(*shape, disc.centre + disc.frame.s * d.x + disc.frame.t * d.y)
-                    }
+                    (None, ShapeGeometry::Sphere(_)) => geometry.surface_on_sphere(*shape, warp::sphere(u)),
+                    (None, ShapeGeometry::Disk(_)) => geometry.surface_on_disk(*shape, warp::disc(u)),
                     (None, ShapeGeometry::Mesh(_)) => return None, // without area
                 };
                 let density = pmf / *area as f32;

@@ -257,8 +257,9 @@ impl Scene {
         };
         let mut point = SurfacePoint::new(&x, frame, wi, model.resolve(&self.textures, x.uv), mode);
         point.emitter = shape.emitter;
+        // By the geometric normal, as the emitters draw: a shading normal does not say where a lamp shines.
         if let Some(radiance) = shape.radiance
-            && in_front
+            && wi.dot(x.ng) > 0.0
         {
             point.emitted = radiance.at(&self.textures, x.uv);
         }

@@ -6,6 +6,9 @@ use manylight_math::Spectrum;
 use manylight_sampling::Stream;
 use manylight_scene::{Edge, EmitterPoint, Scatter, Scene, Vertex};
 
+/// Points nearer than a femtometre count as coincident: 1 / d^2 would overflow, and a bound could not bring it back. [m^2]
+const COINCIDENT2: f32 = 1e-30;
+
 /// The one formula for every pair of vertices: f(x) G(x, y) f(y) flux, with G = cos cos / |x - y|^2 towards a point and cos_x
 /// towards infinity. `None` where nothing can arrive, or where the two points coincide.
 pub fn connect_vertices(x: &Vertex, y: &Vertex, flux: Spectrum) -> Option<Connection> {
@@ -16,8 +19,8 @@ pub fn connect_vertices(x: &Vertex, y: &Vertex, flux: Spectrum) -> Option<Connec
     }
     let d = y.p - x.p;
     let d2 = d.length_squared();
-    // NaN, and points so near that the square vanishes, fail.
-    if !(d2 > f32::MIN_POSITIVE) {
+    // NaN fails too.
+    if !(d2 > COINCIDENT2) {
         return None;
     }
     let w = d / d2.sqrt();
