@@ -254,3 +254,31 @@ fn without_light_every_method_gives_black_and_no_error() {
         assert!(image.pixels.iter().all(|p| p.is_black()), "{}", m.name);
     }
 }
+
+#[test]
+fn a_sky_and_a_lamp_are_weighed_alike_at_any_scale() {
+    // A floor under a constant sky and a point light: the sky brings radiance rho L, the light rho / pi I / h^2. Drawn by power
+    // from the lights of both, whatever the unit of length: the power of light from infinity is irradiance x area.
+    for scale in [1.0f64, 100.0, 1e4] {
+        let mut b = Scene::builder();
+        let material = rooms::diffuse(&mut b, Spectrum::gray(0.8));
+        let floor = manylight_geometry::TriangleMesh::rectangle(&manylight_math::DAffine3::from_scale(
+            manylight_math::DVec3::splat(5.0 * scale),
+        ));
+        rooms::place(&mut b, manylight_geometry::ShapeGeometry::Mesh(floor), material, None);
+        b.emitter(Emitter::Constant { radiance: Spectrum::ONE });
+        let h = 2.0 * scale as f32;
+        b.emitter(Emitter::Point { position: Vec3::Z * h, intensity: Spectrum::gray(h * h) });
+        let eye = manylight_math::DVec3::new(3.0, 0.0, 0.5) * scale;
+        b.camera(rooms::camera(eye, manylight_math::DVec3::ZERO, 0.005, (4, 4)));
+        let scene = rooms::built(b);
+        let truth = Spectrum::gray(0.8 + 0.8 * std::f32::consts::FRAC_1_PI);
+        holds(
+            &scene,
+            "power-sampling",
+            &["direct=virtual", "max-depth=2", "bound=none", "paths=4096", "samples=64"],
+            100,
+            truth,
+        );
+    }
+}

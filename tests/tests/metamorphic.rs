@@ -13,7 +13,7 @@ use manylight_recipes::methods;
 use manylight_render::{Budget, Progress, Settings, render};
 use manylight_scene::{Camera, Emitter, FilterSampler, Material, Model, Scene, Source};
 use manylight_stats::{BlockTest, Reference};
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
 
 const SIZE: (u32, u32) = (24, 20);
 
@@ -164,8 +164,7 @@ fn one_hash_for_1_2_and_7_threads_by_every_method() {
             let r = recipe(m.name, params, &scene);
             let with = |threads| {
                 let settings = Settings { budget: Budget::Passes(2), seed: 9, spp: 1, threads: Some(threads) };
-                let done =
-                    render(&scene, &*r.method, &settings, &mut |_: &Progress| (), &AtomicBool::new(false)).unwrap();
+                let done = render(&scene, &*r.method, &settings, &mut |_: &Progress| (), &Arc::default()).unwrap();
                 (hash(&done.image), done.probe.rays(), done.probe.lights, done.probe.evaluations)
             };
             let [one, two, seven] = [1, 2, 7].map(with);

@@ -13,6 +13,8 @@ pub enum Failure {
     CheckFailed(String),
     /// It was interrupted, and what there was is written.
     Interrupted,
+    /// It was interrupted before there was anything to write.
+    InterruptedEarly,
 }
 
 impl Failure {
@@ -25,7 +27,7 @@ impl Failure {
         ExitCode::from(match self {
             Failure::Mistake(_) => 1,
             Failure::CheckFailed(_) => 2,
-            Failure::Interrupted => 3,
+            Failure::Interrupted | Failure::InterruptedEarly => 3,
         })
     }
 }
@@ -36,6 +38,7 @@ impl fmt::Display for Failure {
             Failure::Mistake(what) => write!(f, "error: {what}"),
             Failure::CheckFailed(what) => write!(f, "check failed: {what}"),
             Failure::Interrupted => write!(f, "interrupted: what was rendered is written"),
+            Failure::InterruptedEarly => write!(f, "interrupted before the first pixel: nothing is written"),
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::progress::Report;
 use crate::{interrupt, units};
 use manylight_recipes::Recipe;
 use manylight_render::files::{self, Picture};
-use manylight_render::{Budget, Rendering, Settings, Stats, Subject};
+use manylight_render::{Budget, RenderError, Rendering, Settings, Stats, Subject};
 use manylight_scene::Scene;
 use manylight_scene_io::LoadOptions;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,10 @@ pub fn run(args: &Render) -> Result<(), Failure> {
         announce(args, &recipe, &scene, settings.budget);
     }
     let mut report = Report::new(settings.budget, args.quiet);
-    let rendering = manylight_render::render(&scene, &*recipe.method, &settings, &mut report, &cancel)?;
+    let rendering = match manylight_render::render(&scene, &*recipe.method, &settings, &mut report, &cancel) {
+        Err(RenderError::Interrupted) => return Err(Failure::InterruptedEarly),
+        result => result?,
+    };
     report.finish();
 
     let subject = Subject {
@@ -45,6 +48,7 @@ pub fn run(args: &Render) -> Result<(), Failure> {
     let stats = Stats::new(&subject, &settings, &rendering);
     let ev = target.write(&rendering, &stats, args)?;
     warn_of_rare_events(&stats);
+    warn_of_broken_paths(&stats);
     if !args.quiet {
         summarise(&target, &rendering, &stats, ev);
     }
@@ -136,6 +140,15 @@ fn warn_of_rare_events(stats: &Stats) {
         let places: Vec<String> = lost.first.iter().map(ToString::to_string).collect();
         let first = places.join("; ");
         eprintln!("warning: {} samples were NaN, infinite or negative and count as black (first: {first})", lost.count);
+    }
+}
+
+fn warn_of_broken_paths(stats: &Stats) {
+    if stats.broken_paths > 0 {
+        let n = stats.broken_paths;
+        eprintln!(
+            "warning: {n} light paths carried a NaN or infinite flux and their light is missing: is an emitter too bright?"
+        );
     }
 }
 

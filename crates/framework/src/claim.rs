@@ -50,9 +50,16 @@ impl PathClasses {
     /// delta lobe.
     pub const CAUSTICS: PathClasses = PathClasses(1);
 
+    /// Everything that is scattered more than once.
+    pub const INDIRECT: PathClasses = PathClasses(2);
+
     /// Classes in either.
     pub fn union(self, o: PathClasses) -> PathClasses {
         PathClasses(self.0 | o.0)
+    }
+    /// Are all classes of `o` in it?
+    pub fn contains(self, o: PathClasses) -> bool {
+        self.0 & o.0 == o.0
     }
     /// Is none missed?
     pub fn is_empty(self) -> bool {
@@ -138,7 +145,10 @@ impl fmt::Display for Claim {
         if !self.finite_variance {
             f.write_str("; infinite variance")?;
         }
-        if !self.misses.is_empty() {
+        if self.misses.contains(PathClasses::INDIRECT) {
+            f.write_str("; no indirect light")?;
+        }
+        if self.misses.contains(PathClasses::CAUSTICS) {
             f.write_str("; no caustics on the last surface that scatters")?;
         }
         Ok(())

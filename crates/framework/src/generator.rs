@@ -20,6 +20,17 @@ pub enum GenerateError {
     /// Nothing emits.
     #[error("nothing in the scene emits light: add an emitter")]
     NoEmitters,
+    /// The user asked to stop.
+    #[error("interrupted while light paths were walked")]
+    Cancelled,
+    /// More lights than memory should hold.
+    #[error("{lights} virtual lights and more in one pass, the limit is {limit}: use fewer paths, and more passes")]
+    TooMany {
+        /// How many there were when it gave up.
+        lights: usize,
+        /// How many are possible.
+        limit: usize,
+    },
 }
 
 /// Makes lights from exactly N light paths; path `i` draws from `Stream(seed, [pass, i, ..])` alone. Never "until N lights":

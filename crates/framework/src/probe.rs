@@ -2,6 +2,8 @@
 
 use manylight_math::Spectrum;
 use manylight_scene::Edge;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Counters and notes of a tile, merged in the tiles' order: no global counters.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +26,8 @@ pub struct Probe {
     pub non_finite: NonFinite,
     /// Sums and counts of named values.
     aovs: Vec<(&'static str, f64, u64)>,
+    /// Set when the user asks to stop: whatever takes long looks at it.
+    pub cancel: Option<Arc<AtomicBool>>,
     /// The lights of one sample, where they are asked for.
     pub explain: Option<Vec<Explained>>,
 }
@@ -58,6 +62,10 @@ pub struct Explained {
 }
 
 impl Probe {
+    /// Has the user asked to stop?
+    pub fn cancelled(&self) -> bool {
+        self.cancel.as_ref().is_some_and(|c| c.load(Ordering::Relaxed))
+    }
     /// Counts a sample that is not fit for an image.
     pub fn drop_sample(&mut self, pass: u64, pixel: usize, sample: u32) {
         self.non_finite.merge(&NonFinite { count: 1, first: vec![(pass, pixel, sample)] });

@@ -21,7 +21,7 @@ fn from_emitter(scene: &Scene, x: &Vertex, probe: &mut Probe, s: &mut Stream) ->
     let Some(light) = scene.sample_emitter(s) else { return Spectrum::BLACK };
     let y = &light.vertex;
     let (w, edge, per_area) = match y.scatter {
-        Scatter::Emitter(EmitterPoint::Distant { towards }) => (towards, Edge::ToInfinity(x.end(), towards), 1.0),
+        Scatter::Emitter(EmitterPoint::Distant { towards, .. }) => (towards, Edge::ToInfinity(x.end(), towards), 1.0),
         _ => {
             let d = y.p - x.p;
             let d2 = d.length_squared();

@@ -2,8 +2,8 @@
 
 use crate::direct_light;
 use manylight_framework::{
-    BoundingPlan, Claim, Compensator, Gather, Generator, Integrator, LightSet, Occlusion, PassError, Plan, Probe,
-    Promise,
+    BoundingPlan, Claim, Compensator, Gather, Generator, Integrator, LightSet, Occlusion, PassError, PathClasses, Plan,
+    Probe, Promise,
 };
 use manylight_math::{Aabb, Ray, Spectrum};
 use manylight_sampling::{Purpose, Stream};
@@ -133,6 +133,9 @@ where
             // Everything but the delta lobes has been gathered: walk on through those alone.
             let Some(next) = x.sample(s.next_f32(), s.next_2d()).filter(|n| n.delta) else { break };
             throughput *= next.weight;
+            if throughput.is_black() {
+                break;
+            }
             let survival = if edges < CERTAIN_EDGES { 1.0 } else { throughput.largest().min(SURVIVAL) };
             if !(s.next_f32() < survival) {
                 break;
@@ -147,6 +150,10 @@ where
 impl<L, P: Promise, K: Promise, B: BoundingPlan> Promise for ManyLights<L, P, K, B> {
     fn claim(&self) -> Claim {
         let bounded = self.compensator.repairs(self.bounding.claim());
+        if self.generator.claim().misses.contains(PathClasses::INDIRECT) {
+            // No lights: only direct light is left, which is sampled.
+            return Claim { noisy: true, ..self.generator.claim() };
+        }
         let kernel = self.kernel.claim();
         let kernel = Claim { finite_variance: kernel.finite_variance || self.bounding.tames(), ..kernel };
         // Camera samples are noisy whatever the parts.

@@ -9,7 +9,7 @@
 use manylight::recipes;
 use manylight::render::{Budget, Progress, Settings, render};
 use manylight::scene_io::{LoadOptions, load};
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/furnace/scene.xml");
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let recipe = recipes::build("instant-radiosity", &params, &scene)?;
 
         let settings = Settings { budget: Budget::Passes(1), seed: 0, spp: recipe.spp, threads: None };
-        let done = render(&scene, &*recipe.method, &settings, &mut |_: &Progress| {}, &AtomicBool::new(false))?;
+        let done = render(&scene, &*recipe.method, &settings, &mut |_: &Progress| {}, &Arc::default())?;
         let gray = || done.image.pixels.iter().map(|p| p.mean());
         let (darkest, brightest) = (gray().fold(f32::INFINITY, f32::min), gray().fold(0.0, f32::max));
 

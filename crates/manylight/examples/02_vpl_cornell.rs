@@ -10,7 +10,7 @@ use manylight::render::files::{Exposure, Picture, write_exr, write_png};
 use manylight::render::{Budget, Progress, Settings, render};
 use manylight::scene_io::{LoadOptions, load};
 use manylight::vpl::{Emission, Keller, Points};
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/cornell-box/scene.xml");
@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("this is {}", method.claim());
     let settings = Settings { budget: Budget::Passes(16), seed: 0, spp: 1, threads: None };
     let mut report = |p: &Progress| println!("pass {}: {:.1} s, {} rays", p.passes, p.elapsed.as_secs_f64(), p.rays);
-    let done = render(&scene, &method, &settings, &mut report, &AtomicBool::new(false))?;
+    let done = render(&scene, &method, &settings, &mut report, &Arc::default())?;
 
     let picture = Picture { standard_error: done.standard_error, ..Picture::from(done.image) };
     write_exr("vpl_cornell.exr".as_ref(), &picture)?;

@@ -24,7 +24,7 @@ use manylight::scene::Scene;
 use manylight::scene_io::{LoadOptions, load};
 use manylight::stats::{Alternative, MeanTest, Moments, student_quantile};
 use manylight::vpl::{Emission, Keller, Points, Vpl};
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
 
 /// The plan: the algorithm's name and its knobs.
 #[derive(Clone, Copy, Debug)]
@@ -99,7 +99,7 @@ fn with<P: Plan<Vec<Vpl>>>(plan: P, max_edges: u32) -> ManyLights<Vec<Vpl>, P, P
 /// One pass. Lights and camera samples follow from the seed alone: two methods with one seed share them.
 fn one_pass(scene: &Scene, method: &dyn Method, seed: u64) -> Result<Rendering, Box<dyn std::error::Error>> {
     let settings = Settings { budget: Budget::Passes(1), seed, spp: 1, threads: None };
-    Ok(render(scene, method, &settings, &mut |_: &Progress| {}, &AtomicBool::new(false))?)
+    Ok(render(scene, method, &settings, &mut |_: &Progress| {}, &Arc::default())?)
 }
 
 fn mean(r: &Rendering) -> f64 {

@@ -7,7 +7,7 @@
 //! use manylight::recipes;
 //! use manylight::render::{Budget, Progress, Settings, render};
 //! use manylight::scene_io::{LoadOptions, load};
-//! use std::sync::atomic::AtomicBool;
+//! use std::sync::Arc;
 //!
 //! // A closed sphere, which looks the same everywhere: its wall emits 1 and reflects half, so the radiance is 2.
 //! # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/furnace/scene.xml");
@@ -15,7 +15,7 @@
 //! let recipe = recipes::build("instant-radiosity", &[("paths".into(), "256".into())], &scene)?;
 //! let settings = Settings { budget: Budget::Passes(1), seed: 0, spp: recipe.spp, threads: None };
 //! // Who watches (here nobody), and a flag by which another thread may stop it (here never).
-//! let done = render(&scene, &*recipe.method, &settings, &mut |_: &Progress| {}, &AtomicBool::new(false))?;
+//! let done = render(&scene, &*recipe.method, &settings, &mut |_: &Progress| {}, &Arc::default())?;
 //! let mean = done.image.pixels.iter().map(|p| p.mean()).sum::<f32>() / 64.0;
 //! assert!((mean - 2.0).abs() < 0.2, "{mean}");
 //! # Ok::<(), Box<dyn std::error::Error>>(())

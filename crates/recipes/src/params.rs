@@ -106,7 +106,7 @@ pub(crate) const MANY_LIGHTS: &[Param] = &[
     },
     Param {
         name: "paths",
-        kind: Kind::Integer { min: 1, max: 1 << 32 },
+        kind: Kind::Integer { min: 1, max: 1 << 24 },
         default: "64",
         unit: "",
         help: "light paths a pass",
@@ -173,10 +173,10 @@ pub(crate) const MANY_LIGHTS: &[Param] = &[
 pub(crate) const PATH: &[Param] = &[
     Param {
         name: "rr-depth",
-        kind: Kind::Integer { min: 1, max: WHOLE },
-        default: "5",
+        kind: Kind::IntegerOr { min: 1, max: WHOLE, words: &["scene"] },
+        default: "scene",
         unit: "edges",
-        help: "path length from which Russian roulette may end a path",
+        help: "path length from which Russian roulette may end a path; `scene`: what the file says, or 5",
     },
     Param {
         name: "nee",

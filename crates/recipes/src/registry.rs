@@ -4,7 +4,7 @@ use crate::error::near;
 use crate::params::{COMMON, MANY_LIGHTS, PATH};
 use crate::values::Values;
 use crate::{Param, RecipeError, compose};
-use manylight_framework::{Claim, Method};
+use manylight_framework::{Claim, Method, PathClasses};
 use manylight_scene::Scene;
 
 type Compose = fn(&Values, &Scene) -> Result<Box<dyn Method>, RecipeError>;
@@ -106,7 +106,7 @@ pub fn build(name: &str, params: &[(String, String)], scene: &Scene) -> Result<R
     let method = (info.compose)(&values, scene)?;
     let claim = method.claim();
     let mut warnings = Vec::new();
-    if !claim.misses.is_empty() && scene.has_delta_lobes() {
+    if claim.misses.contains(PathClasses::CAUSTICS) && scene.has_delta_lobes() {
         warnings.push(format!(
             "the scene has mirrors or glass: `{name}` leaves out the light that reaches a surface through them (caustics); \
              `path` finds some of it"
@@ -142,7 +142,7 @@ mod tests {
         let error =
             |name: &str, value: &str| Values::new(ir, &[(name.into(), value.into())]).err().unwrap().to_string();
         assert!(error("pathes", "3").contains("did you mean `paths`?"));
-        assert_eq!(error("paths", "0"), "paths=0: expected a whole number from 1 to 4294967296");
+        assert_eq!(error("paths", "0"), "paths=0: expected a whole number from 1 to 16777216");
         assert_eq!(error("bound", "-1"), "bound=-1: expected a positive number, `none` or `auto`");
         assert!(error("zzz", "1").contains("`manylight list instant-radiosity` shows all"));
         let twice = Values::new(ir, &[("paths".into(), "3".into()), ("paths".into(), "4".into())]);

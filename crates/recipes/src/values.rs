@@ -73,6 +73,11 @@ impl Values {
             _ => self.integer("max-depth")? as u32,
         };
         let min = self.integer("min-depth")? as u32;
+        if max == 0 {
+            return Err(RecipeError::Contrary(
+                "the scene file's max_depth is 0, which leaves no path: say max-depth=..".into(),
+            ));
+        }
         if min > max {
             return Err(RecipeError::Contrary(format!("min-depth={min} lies above max-depth={max}: no path is left")));
         }

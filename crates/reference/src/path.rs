@@ -70,6 +70,9 @@ impl Integrator for PathTracer {
             }
             let Some(next) = x.sample(s.next_f32(), s.next_2d()) else { break };
             beta *= next.weight;
+            if beta.is_black() {
+                break;
+            }
             if edges >= self.certain_edges {
                 let survival = beta.largest().min(0.95);
                 if !(s.next_f32() < survival) {
@@ -101,7 +104,7 @@ impl PathTracer {
         let Some(EmitterSample { vertex: y, flux, density, .. }) = scene.sample_emitter(s) else {
             return Spectrum::BLACK;
         };
-        let (dir, edge, jacobian) = if let Scatter::Emitter(EmitterPoint::Distant { towards }) = y.scatter {
+        let (dir, edge, jacobian) = if let Scatter::Emitter(EmitterPoint::Distant { towards, .. }) = y.scatter {
             (towards, Edge::ToInfinity(x.end(), towards), 1.0)
         } else {
             let d2 = (y.p - x.p).length_squared();

@@ -42,6 +42,9 @@ pub enum RenderError {
     /// The threads could not be started.
     #[error("the threads cannot be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// Cancelled before there was anything to show.
+    #[error("interrupted before the first pixel: nothing is written")]
+    Interrupted,
     /// The method gave up.
     #[error(transparent)]
     Pass(PassError),

@@ -2,8 +2,9 @@
 
 use crate::workers::Workers;
 use crate::{Accumulator, Budget, RenderError};
-use manylight_framework::{Film, Image, Method, Probe};
+use manylight_framework::{Film, GenerateError, Image, Method, PassError, Probe};
 use manylight_scene::{FilterSampler, Scene};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
@@ -72,13 +73,14 @@ pub struct Rendering {
 /// Renders passes 0, 1, 2 .. of `method` until the budget is spent or `cancel` is set. The image depends on the scene, the
 /// method, the seed, the samples and the number of passes alone.
 ///
-/// A pass that `cancel` cut short is thrown away, unless it is the first.
+/// A pass that `cancel` cut short is thrown away, unless it is the first. Cancelled before the first pixel, there is no image:
+/// [`RenderError::Interrupted`].
 pub fn render(
     scene: &Scene,
     method: &dyn Method,
     settings: &Settings,
     observer: &mut dyn Observer,
-    cancel: &AtomicBool,
+    cancel: &Arc<AtomicBool>,
 ) -> Result<Rendering, RenderError> {
     let start = Instant::now();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads.unwrap_or(0)).build()?;
@@ -90,11 +92,17 @@ pub fn render(
         let workers = Workers::new(cancel, observer);
         let mut film = Film::new(camera, &filter, settings.seed, mean.passes(), settings.spp, &workers);
         let mut counts = Probe::default();
+        counts.cancel = Some(cancel.clone());
         let outcome = pool.install(|| method.pass(scene, &mut film, &mut counts));
         let pass = film.image;
-        done.interrupted = workers.cut_short();
+        // Cut short while the image was filled, or before that, while light paths were walked.
+        let early = matches!(outcome, Err(PassError::Generate(GenerateError::Cancelled)));
+        done.interrupted = early || workers.cut_short();
         if done.interrupted && mean.passes() > 0 {
             return Ok(done.with_mean(&mean));
+        }
+        if early {
+            return Err(RenderError::Interrupted);
         }
         done.preparing += workers.first_run().unwrap_or_else(Instant::now).saturating_duration_since(begin);
         done.probe.merge(&counts);

@@ -61,6 +61,8 @@ pub struct Stats {
     pub memory: Option<u64>,
     /// Samples that were NaN, infinite or negative: black in the image.
     pub non_finite: NonFinite,
+    /// Light paths that were ended because their flux was NaN or infinite: their light is missing.
+    pub broken_paths: u64,
     /// Estimated relative mean squared error by noise ([`crate::Accumulator::estimated_error`]), from two passes on.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_error: Option<f64>,
@@ -145,6 +147,7 @@ impl Stats {
             evaluations_per_sample: probe.evaluations as f64 / probe.camera_rays.max(1) as f64,
             memory: peak_memory(),
             non_finite: non_finite(rendering),
+            broken_paths: probe.broken_paths,
             estimated_error: rendering.estimated_error,
         }
     }

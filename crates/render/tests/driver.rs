@@ -6,6 +6,7 @@ use manylight_render::{
     Accumulator, Budget, Observer, Progress, RenderError, Rendering, SampleAt, Settings, Stats, Subject, render,
 };
 use manylight_scene::{Camera, Scene};
+use std::sync::Arc;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
@@ -53,7 +54,7 @@ fn settings(budget: Budget) -> Settings {
     Settings { budget, seed: 5, spp: 2, threads: Some(2) }
 }
 fn run(method: &dyn Method, settings: &Settings) -> Rendering {
-    render(&scene(), method, settings, &mut |_: &Progress| (), &AtomicBool::new(false)).unwrap()
+    render(&scene(), method, settings, &mut |_: &Progress| (), &Arc::default()).unwrap()
 }
 /// FNV-1a over the bits of the image.
 fn hash(image: &Image) -> u64 {
@@ -66,8 +67,7 @@ fn so_many_passes_are_rendered_and_the_observer_hears_of_each() {
     let mut heard = Vec::new();
     let method: &dyn Method = &Noise;
     let settings = settings(Budget::Passes(4));
-    let rendering =
-        render(&scene(), method, &settings, &mut |p: &Progress| heard.push(*p), &AtomicBool::new(false)).unwrap();
+    let rendering = render(&scene(), method, &settings, &mut |p: &Progress| heard.push(*p), &Arc::default()).unwrap();
     assert_eq!((rendering.passes, rendering.interrupted), (4, false));
     assert_eq!(heard.iter().map(|p| p.passes).collect::<Vec<_>>(), [1, 2, 3, 4]);
     assert!(heard.windows(2).all(|pair| pair[0].elapsed < pair[1].elapsed && pair[0].rays < pair[1].rays));
@@ -94,7 +94,7 @@ fn the_observer_hears_of_tiles_while_a_pass_is_running() {
     }
     let mut heard = Heard::default();
     let one_thread = Settings { threads: Some(1), ..settings(Budget::Passes(2)) };
-    render(&scene(), &Noise, &one_thread, &mut heard, &AtomicBool::new(false)).unwrap();
+    render(&scene(), &Noise, &one_thread, &mut heard, &Arc::default()).unwrap();
     // 40 x 23 pixels are 3 x 2 tiles.
     let pass = (1..=6).map(|done| (done, 6));
     assert_eq!(heard.tiles, pass.clone().chain(pass).collect::<Vec<_>>());
@@ -175,7 +175,7 @@ fn a_time_is_spent_and_not_much_exceeded() {
 
 #[test]
 fn what_is_complete_when_cancelled_is_the_result() {
-    let cancel = AtomicBool::new(false);
+    let cancel = Arc::new(AtomicBool::new(false));
     let mut stop_after_three = |p: &Progress| cancel.store(p.passes == 3, Relaxed);
     let rendering = render(&scene(), &Noise, &settings(Budget::Passes(100)), &mut stop_after_three, &cancel).unwrap();
     assert_eq!((rendering.passes, rendering.interrupted), (3, true));
@@ -185,7 +185,7 @@ fn what_is_complete_when_cancelled_is_the_result() {
 }
 #[test]
 fn cancelled_in_the_first_pass_the_part_that_is_done_is_the_result() {
-    let cancel = AtomicBool::new(false);
+    let cancel = Arc::new(AtomicBool::new(false));
     let method = Toy(|film: &mut Film, probe: &mut Probe| {
         film.fill(probe, &|_, _, s| {
             cancel.fetch_or(s.next_below(300) == 0, Relaxed);
@@ -203,7 +203,7 @@ fn cancelled_in_the_first_pass_the_part_that_is_done_is_the_result() {
 }
 #[test]
 fn whoever_cancels_does_not_wait_for_a_tile() {
-    let cancel = AtomicBool::new(false);
+    let cancel = Arc::new(AtomicBool::new(false));
     let method = Toy(|film: &mut Film, probe: &mut Probe| {
         film.fill(probe, &|_, _, _| {
             cancel.store(true, Relaxed);
@@ -217,15 +217,20 @@ fn whoever_cancels_does_not_wait_for_a_tile() {
 }
 #[test]
 fn cancelled_before_it_begins_it_ends_with_a_black_image() {
-    let rendering =
-        render(&scene(), &Noise, &settings(Budget::Passes(5)), &mut |_: &Progress| (), &AtomicBool::new(true));
+    let rendering = render(
+        &scene(),
+        &Noise,
+        &settings(Budget::Passes(5)),
+        &mut |_: &Progress| (),
+        &Arc::new(AtomicBool::new(true)),
+    );
     let rendering = rendering.unwrap();
     assert_eq!((rendering.passes, rendering.interrupted), (0, true));
     assert!(rendering.image.pixels.iter().all(|p| p.is_black()));
 }
 #[test]
 fn cancelled_after_its_last_tile_a_pass_is_complete() {
-    let cancel = AtomicBool::new(false);
+    let cancel = Arc::new(AtomicBool::new(false));
     let method = Toy(|film: &mut Film, probe: &mut Probe| {
         Noise.pass(&scene(), film, probe)?;
         cancel.store(film.pass == 1, Relaxed);
@@ -239,7 +244,7 @@ fn cancelled_after_its_last_tile_a_pass_is_complete() {
 }
 #[test]
 fn a_method_that_gives_up_when_cancelled_has_not_failed() {
-    let cancel = AtomicBool::new(false);
+    let cancel = Arc::new(AtomicBool::new(false));
     let method = Toy(|film: &mut Film, probe: &mut Probe| {
         if film.pass == 1 {
             cancel.store(true, Relaxed);
@@ -256,7 +261,7 @@ fn a_method_that_gives_up_when_cancelled_has_not_failed() {
 fn a_method_that_fails_says_why_and_one_that_changes_the_size_is_found_out() {
     let fails = Toy(|_: &mut Film, _: &mut Probe| Err(PassError::MergesDepths));
     let go = |method: &dyn Method| {
-        render(&scene(), method, &settings(Budget::Passes(2)), &mut |_: &Progress| (), &AtomicBool::new(false))
+        render(&scene(), method, &settings(Budget::Passes(2)), &mut |_: &Progress| (), &Arc::default())
     };
     assert!(go(&fails).unwrap_err().to_string().contains("depths"));
     let shrinks = Toy(|film: &mut Film, _: &mut Probe| {

@@ -51,8 +51,6 @@ pub struct LoadOptions {
 pub struct Loaded {
     /// The scene.
     pub scene: Scene,
-    /// `rr_depth` of the file's integrator: the depth from which paths may end by Russian roulette.
-    pub rr_depth: Option<u32>,
     /// What is legal and yet worth knowing, each with its place.
     pub warnings: Vec<String>,
     /// Every file that was read: the scene's first, then meshes and images in the order in which it names them.

@@ -252,7 +252,7 @@ fn films_and_integrators_have_mitsubas_defaults() {
     let deep = path(
         "<integer name=\"max_depth\" value=\"7\"/><integer name=\"rr_depth\" value=\"3\"/><boolean name=\"hide_emitters\" value=\"true\"/>",
     );
-    assert_eq!((deep.scene.max_depth(), deep.rr_depth), (Some(7), Some(3)));
+    assert_eq!((deep.scene.max_depth(), deep.scene.rr_depth()), (Some(7), Some(3)));
 }
 
 #[test]

@@ -38,8 +38,8 @@ impl Camera {
         if !(fov_x_degrees > 0.0 && fov_x_degrees < 180.0) {
             return bad(&format!("a field of view of {fov_x_degrees} degrees: expected more than 0 and less than 180"));
         }
-        if size.0 == 0 || size.1 == 0 || size.0 as u64 * size.1 as u64 > 1 << 30 {
-            return bad(&format!("an image of {}x{} pixels: expected 1x1 to 2^30 pixels", size.0, size.1));
+        if size.0 == 0 || size.1 == 0 || size.0 as u64 * size.1 as u64 > 1 << 25 {
+            return bad(&format!("an image of {}x{} pixels: expected 1x1 to 2^25 pixels", size.0, size.1));
         }
         if !to_world.is_finite() || to_world.matrix3.determinant() == 0.0 {
             return bad("its transform is singular or not finite");

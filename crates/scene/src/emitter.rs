@@ -150,6 +150,22 @@ impl Emitters {
         let pick = AliasTable::new(powers.iter().copied());
         (Emitters { samplers, pick, world, environment, powers }, of_shape)
     }
+    /// All numbers that make them what they are, for a hash of the scene.
+    pub(crate) fn numbers(&self) -> Vec<f32> {
+        let mut all = Vec::new();
+        for sampler in &self.samplers {
+            match sampler {
+                Sampler::Area { shape, .. } => all.push(*shape as f32),
+                Sampler::Point { position: at, intensity: light }
+                | Sampler::Directional { direction: at, irradiance: light } => {
+                    all.extend(at.to_array().into_iter().chain(light.to_array()));
+                }
+                Sampler::Constant { radiance } => all.extend(radiance.to_array()),
+                Sampler::Environment(map) => all.extend(map.numbers()),
+            }
+        }
+        all
+    }
     /// How many there are.
     pub fn len(&self) -> usize {
         self.samplers.len()
@@ -226,25 +242,37 @@ impl Emitters {
             Sampler::Point { position, intensity } => {
                 made(EmitterPoint::Isotropic, *position, *intensity * (4.0 * PI / pmf), None)
             }
-            Sampler::Directional { direction, irradiance } => {
-                made(EmitterPoint::Distant { towards: -*direction }, self.world.0, *irradiance * (1.0 / pmf), None)
-            }
+            Sampler::Directional { direction, irradiance } => made(
+                EmitterPoint::Distant { towards: -*direction, disc: self.disc() },
+                self.world.0,
+                *irradiance * (1.0 / pmf),
+                None,
+            ),
             Sampler::Constant { radiance } => {
                 let towards = warp::sphere(s.next_2d());
                 let density = pmf * INV_4PI;
-                made(EmitterPoint::Distant { towards }, self.world.0, *radiance * (1.0 / density), Some(density))
+                made(
+                    EmitterPoint::Distant { towards, disc: self.disc() },
+                    self.world.0,
+                    *radiance * (1.0 / density),
+                    Some(density),
+                )
             }
             Sampler::Environment(map) => {
                 let (towards, pdf) = map.sample([s.next_f64(), s.next_f64()])?;
                 let density = pmf * pdf;
                 made(
-                    EmitterPoint::Distant { towards },
+                    EmitterPoint::Distant { towards, disc: self.disc() },
                     self.world.0,
                     map.radiance(towards) * (1.0 / density),
                     Some(density),
                 )
             }
         }
+    }
+    /// Area of a disc that the scene fits in. \[m^2\]
+    fn disc(&self) -> f32 {
+        PI * self.world.1 * self.world.1
     }
     /// Draws a ray of light: a point as `sample`, and a direction by its lobe (a point of the disc that the scene fits in, for
     /// light from infinity). `None` if nothing shines (there).
@@ -257,11 +285,11 @@ impl Emitters {
                 (Ray::new(offset_from(start.vertex.p, n, error, dir), dir), start.flux)
             }
             EmitterPoint::Isotropic => (Ray::new(start.vertex.p, warp::sphere(s.next_2d())), start.flux),
-            EmitterPoint::Distant { towards } => {
+            EmitterPoint::Distant { towards, disc } => {
                 let (centre, radius) = self.world;
                 let (frame, d) = (Frame::around(towards), warp::disc(s.next_2d()) * radius);
                 let origin = centre + (towards * radius + frame.s * d.x + frame.t * d.y);
-                (Ray::new(origin, -towards), start.flux * (PI * radius * radius))
+                (Ray::new(origin, -towards), start.flux * disc)
             }
         };
         Some(Emission { start, ray, flux })

@@ -86,6 +86,12 @@ impl Environment {
         let Some(table) = &self.table else { return 0.0 };
         if sin_theta > 0.0 { table.pdf(p) / (TAU * PI * sin_theta) } else { 0.0 }
     }
+    /// All numbers that make it what it is, for a hash of the scene.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f32> + '_ {
+        let rotation = self.to_world.to_cols_array().map(|x| x as f32);
+        let pixels = self.image.pixels.iter().flat_map(|p| p.to_array());
+        rotation.into_iter().chain([self.scale, self.image.width as f32]).chain(pixels)
+    }
     /// Mean radiance over all directions (exact on the patches' corners' means). [W/(m^2 sr)]
     pub fn mean(&self) -> Spectrum {
         self.mean

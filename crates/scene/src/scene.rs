@@ -70,6 +70,7 @@ pub struct SceneBuilder {
     camera: Option<Camera>,
     filter: Option<Filter>,
     max_depth: Option<u32>,
+    rr_depth: Option<u32>,
 }
 
 impl SceneBuilder {
@@ -99,6 +100,10 @@ impl SceneBuilder {
     /// Sets the pixel filter (box, if not called).
     pub fn filter(&mut self, filter: Filter) {
         self.filter = Some(filter);
+    }
+    /// Sets the number of edges from which paths may end by Russian roulette.
+    pub fn rr_depth(&mut self, edges: u32) {
+        self.rr_depth = Some(edges);
     }
     /// Sets the largest number of edges of a path; `None`: no limit.
     pub fn max_depth(&mut self, edges: Option<u32>) {
@@ -142,9 +147,13 @@ impl SceneBuilder {
             };
             environments += surrounds as usize;
             if !valid {
-                return Err(SceneError::Emission(format!(
-                    "an emitter is negative, not finite or without direction: {e:?}"
-                )));
+                let kind = match e {
+                    Emitter::Point { .. } => "a point light",
+                    Emitter::Directional { .. } => "a directional light",
+                    Emitter::Constant { .. } => "the constant light around the scene",
+                    Emitter::Environment(_) => "the environment map",
+                };
+                return Err(SceneError::Emission(format!("{kind} is negative, not finite or without direction")));
             }
         }
         if environments > 1 {
@@ -177,6 +186,7 @@ impl SceneBuilder {
             camera,
             filter: self.filter.unwrap_or(Filter::Box),
             max_depth: self.max_depth,
+            rr_depth: self.rr_depth,
         })
     }
 }
@@ -199,6 +209,7 @@ pub struct Scene {
     camera: Camera,
     filter: Filter,
     max_depth: Option<u32>,
+    rr_depth: Option<u32>,
 }
 
 impl Scene {
@@ -217,6 +228,10 @@ impl Scene {
     /// The largest number of edges that the scene file allows a path; `None`: no limit.
     pub fn max_depth(&self) -> Option<u32> {
         self.max_depth
+    }
+    /// The number of edges from which the scene file lets a path tracer end paths by Russian roulette, if it says so.
+    pub fn rr_depth(&self) -> Option<u32> {
+        self.rr_depth
     }
     /// The shapes' geometry.
     pub fn geometry(&self) -> &Geometry {
@@ -255,7 +270,11 @@ impl Scene {
             Some(back) if !in_front => (back, frame.flipped()),
             _ => (&material.front, frame),
         };
-        let mut point = SurfacePoint::new(&x, frame, wi, model.resolve(&self.textures, x.uv), mode);
+        let bsdf = model.resolve(&self.textures, x.uv);
+        // What scatters on one side alone is black from behind: nobody need ask it for anything.
+        let dark = !in_front && material.back.is_none() && bsdf.has_smooth();
+        let bsdf = if dark { Bsdf::Black } else { bsdf };
+        let mut point = SurfacePoint::new(&x, frame, wi, bsdf, mode);
         point.emitter = shape.emitter;
         // By the geometric normal, as the emitters draw: a shading normal does not say where a lamp shines.
         if let Some(radiance) = shape.radiance
@@ -322,7 +341,7 @@ impl Scene {
         }
         let rest = format!("{:?} {:?} {:?} {:?}", self.materials, self.camera, self.filter, self.max_depth);
         h.add(rest.as_bytes());
-        h.add(&self.emitters.power().to_le_bytes());
+        h.floats(&self.emitters.numbers());
         h.0
     }
 }

@@ -95,6 +95,8 @@ pub enum EmitterPoint {
     Distant {
         /// Unit, to where the light comes from.
         towards: Vec3,
+        /// Area of the disc, across the light, that the scene fits in: times the irradiance it is the power that arrives. \[m^2\]
+        disc: f32,
     },
 }
 

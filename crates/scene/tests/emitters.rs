@@ -102,7 +102,7 @@ fn the_density_of_a_sample_is_the_one_that_is_asked_for_afterwards() {
                     assert!((hit.p - e.vertex.p).length() < 1e-4);
                     (emitters.pdf_area(e.emitter), hit.emitted() * PI)
                 }
-                EmitterPoint::Distant { towards } if e.density.is_some() => {
+                EmitterPoint::Distant { towards, .. } if e.density.is_some() => {
                     (emitters.environment_pdf_sa(towards), scene.environment(towards))
                 }
                 _ => {
@@ -280,4 +280,28 @@ fn points_of_a_ball_are_where_they_should_be_whatever_its_size_and_place() {
             assert!((p - (centre + *out * radius)).abs().max_element() < 2e-7 * (centre.x + radius));
         }
     }
+}
+
+#[test]
+fn the_hash_of_a_scene_sees_every_light_move() {
+    let hash = |emitter: Emitter| {
+        let mut b = Scene::builder();
+        b.emitter(emitter);
+        b.camera(Camera::perspective(DAffine3::IDENTITY, 40.0, (4, 4)).unwrap());
+        b.build().unwrap().hash()
+    };
+    let sky = |red: f32, turn: f64| {
+        let mut image = Bitmap { width: 4, height: 3, pixels: vec![Spectrum::ONE; 12] };
+        image.pixels[5].0.x = red;
+        let rotation = DAffine3::from_rotation_y(turn);
+        Emitter::Environment(Box::new(Environment::new(Arc::new(image), 1.0, &rotation).unwrap()))
+    };
+    let point = |x: f32| Emitter::Point { position: Vec3::X * x, intensity: Spectrum::ONE };
+    let sun = |direction: Vec3| Emitter::Directional { direction, irradiance: Spectrum::ONE };
+    let all =
+        [point(0.0), point(1.0), sun(Vec3::X), sun(Vec3::Y), sky(1.0, 0.0), sky(1.0, 0.5), sky(2.0, 0.0)].map(hash);
+    for (i, a) in all.iter().enumerate() {
+        assert!(!all[..i].contains(a), "scene {i} has the hash of another");
+    }
+    assert_eq!(hash(point(1.0)), all[1]);
 }

@@ -32,13 +32,14 @@ impl Generator for Emitters {
             // The walks of the same path number draw from [.., 0].
             let mut s = Stream::new(seed, [pass, path, 1], Purpose::LIGHT_PATHS);
             probe.light_paths += 1;
-            if let Some(sample) = scene.sample_emitter(&mut s) {
-                let flux = sample.flux * (1.0 / self.paths as f32);
-                if flux.luminance() > 0.0 {
-                    out.push(Vpl { vertex: sample.vertex, flux, edges: 0 });
-                }
+            let Some(sample) = scene.sample_emitter(&mut s) else { return };
+            let flux = sample.flux * (1.0 / self.paths as f32);
+            if !flux.is_valid() {
+                probe.broken_paths += 1;
+            } else if !flux.is_black() {
+                out.push(Vpl { vertex: sample.vertex, flux, edges: 0 });
             }
-        });
+        })?;
         Ok(Batch { lights, paths: self.paths, covers_direct: true })
     }
 }

@@ -31,6 +31,10 @@ pub struct Keller {
 
 /// Paths that a thread walks at a time.
 const CHUNK: u64 = 256;
+/// Chunks between two looks at what has been made so far.
+const ROUND: u64 = 64;
+/// Lights that a pass may make: about 4 GB of them.
+const MOST_LIGHTS: usize = 1 << 24;
 
 impl Promise for Keller {
     fn claim(&self) -> Claim {
@@ -56,7 +60,7 @@ impl Generator for Keller {
         let length = Length { max_edges, certain_edges: self.certain_edges };
         let lights = walk_all(self.paths, probe, |path, probe, out| {
             walk(scene, seed, pass, path, length, probe, |step| out.extend(self.light(&step)));
-        });
+        })?;
         Ok(Batch { lights, paths: self.paths, covers_direct: false })
     }
 }
@@ -75,22 +79,35 @@ impl Keller {
 }
 
 /// Walks paths 0..n in parallel; lights and counts come out in the order of the paths, whatever the threads.
-pub(crate) fn walk_all(n: u64, probe: &mut Probe, walk: impl Fn(u64, &mut Probe, &mut Vec<Vpl>) + Sync) -> Vec<Vpl> {
-    let chunks: Vec<(Vec<Vpl>, Probe)> = (0..n.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|chunk| {
-            let (mut lights, mut probe) = (Vec::new(), Probe::default());
-            for path in chunk * CHUNK..((chunk + 1) * CHUNK).min(n) {
-                walk(path, &mut probe, &mut lights);
-            }
-            (lights, probe)
-        })
-        .collect();
-    let mut lights = Vec::with_capacity(chunks.iter().map(|c| c.0.len()).sum());
-    for (made, counted) in chunks {
-        lights.extend(made);
-        probe.merge(&counted);
+pub(crate) fn walk_all(
+    n: u64,
+    probe: &mut Probe,
+    walk: impl Fn(u64, &mut Probe, &mut Vec<Vpl>) + Sync,
+) -> Result<Vec<Vpl>, GenerateError> {
+    let mut lights = Vec::new();
+    let chunks = n.div_ceil(CHUNK);
+    for first in (0..chunks).step_by(ROUND as usize) {
+        if probe.cancelled() {
+            return Err(GenerateError::Cancelled);
+        }
+        let made: Vec<(Vec<Vpl>, Probe)> = (first..(first + ROUND).min(chunks))
+            .into_par_iter()
+            .map(|chunk| {
+                let (mut lights, mut probe) = (Vec::new(), Probe::default());
+                for path in chunk * CHUNK..((chunk + 1) * CHUNK).min(n) {
+                    walk(path, &mut probe, &mut lights);
+                }
+                (lights, probe)
+            })
+            .collect();
+        for (made, counted) in made {
+            lights.extend(made);
+            probe.merge(&counted);
+        }
+        if lights.len() > MOST_LIGHTS {
+            return Err(GenerateError::TooMany { lights: lights.len(), limit: MOST_LIGHTS });
+        }
     }
     probe.lights += lights.len() as u64;
-    lights
+    Ok(lights)
 }

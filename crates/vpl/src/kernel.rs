@@ -12,7 +12,7 @@ const COINCIDENT2: f32 = 1e-30;
 /// The one formula for every pair of vertices: f(x) G(x, y) f(y) flux, with G = cos cos / |x - y|^2 towards a point and cos_x
 /// towards infinity. `None` where nothing can arrive, or where the two points coincide.
 pub fn connect_vertices(x: &Vertex, y: &Vertex, flux: Spectrum) -> Option<Connection> {
-    if let Scatter::Emitter(EmitterPoint::Distant { towards }) = y.scatter {
+    if let Scatter::Emitter(EmitterPoint::Distant { towards, .. }) = y.scatter {
         let value = x.eval(towards) * flux;
         let pair = Pair { g: 0.0, lobes: None };
         return (!value.is_black()).then(|| Connection { value, edge: Edge::ToInfinity(x.end(), towards), pair });

@@ -2,7 +2,7 @@
 
 use manylight_framework::VirtualLight;
 use manylight_math::Spectrum;
-use manylight_scene::Vertex;
+use manylight_scene::{EmitterPoint, Scatter, Vertex};
 
 /// A virtual point light: a vertex of a light path, and the flux that it scatters.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,11 @@ pub struct Vpl {
 
 impl VirtualLight for Vpl {
     fn intensity(&self) -> f32 {
-        self.flux.luminance()
+        match self.vertex.scatter {
+            // A flux at infinity is one per area: what arrives of it is a power.
+            Scatter::Emitter(EmitterPoint::Distant { disc, .. }) => self.flux.luminance() * disc,
+            _ => self.flux.luminance(),
+        }
     }
     fn edges(&self) -> u32 {
         self.edges

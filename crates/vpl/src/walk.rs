@@ -54,6 +54,9 @@ pub fn walk(
             probe.broken_paths += 1;
             return;
         }
+        if flux.is_black() {
+            return;
+        }
         probe.path_rays += 1;
         let Some(vertex) = scene.intersect(&ray, Mode::Importance) else { return };
         visit(Step { vertex, flux, edges });

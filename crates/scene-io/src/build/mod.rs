@@ -58,7 +58,7 @@ pub(crate) fn build(document: &Document, report: &Report, assets: &Assets, optio
         default_materials: [None; 2],
     };
     let scene = b.query(document.scene());
-    let rr_depth = b.integrator(&scene);
+    b.integrator(&scene);
     b.sensors(&scene);
     // Also those that no shape refers to: their mistakes count.
     for (id, _) in scene.children(Class::Texture) {
@@ -77,7 +77,7 @@ pub(crate) fn build(document: &Document, report: &Report, assets: &Assets, optio
         return None;
     }
     match b.scene.build() {
-        Ok(scene) => Some(Loaded { scene, rr_depth, warnings: Vec::new(), files: Vec::new() }),
+        Ok(scene) => Some(Loaded { scene, warnings: Vec::new(), files: Vec::new() }),
         Err(e) => {
             report.error_nowhere(e.to_string(), None);
             None
@@ -91,8 +91,8 @@ impl<'a> Builder<'a> {
     }
 
     /// `max_depth` and `rr_depth`: Mitsuba's plugins stay loadable in Mitsuba, the method is chosen elsewhere.
-    fn integrator(&mut self, scene: &Query<'a>) -> Option<u32> {
-        let id = scene.child(Class::Integrator)?;
+    fn integrator(&mut self, scene: &Query<'a>) {
+        let Some(id) = scene.child(Class::Integrator) else { return };
         let mut q = self.query(id);
         // `aov` and `moment` wrap another one.
         if let Some((inner, _)) = q.children(Class::Integrator).first() {
@@ -106,9 +106,11 @@ impl<'a> Builder<'a> {
             -1 => self.scene.max_depth(None),
             depth => self.scene.max_depth(Some(depth as u32)),
         }
-        let rr_depth = q.get("rr_depth").is_some().then(|| q.integer("rr_depth", 1..=1 << 30, 5) as u32);
+        if q.get("rr_depth").is_some() {
+            let depth = q.integer("rr_depth", 1..=1 << 30, 5);
+            self.scene.rr_depth(depth as u32);
+        }
         q.ignore_rest();
-        rr_depth
     }
 
     /// The colour of an absent property.
