@@ -190,47 +190,6 @@ fn the_flux_of_the_lights_is_what_the_emitter_sends_times_the_albedo() {
 }
 
 #[test]
-fn liars_are_rejected() {
-    // Twins of the methods that are broken in one place each. The tests above must not be able to pass them.
-    let scene = furnace(hollow_ball(1.0), 1.0, Spectrum::gray(0.5), Spectrum::ONE, (8, 8));
-    let test = |rows: Vec<Vec<f64>>| {
-        let runs = manylight_stats::Runs::new(rows).unwrap();
-        BlockTest::default().run(&runs, Reference::Exact(&vec![2.0; runs.blocks()])).unwrap()
-    };
-    let honest = Keller { paths: 16, max_edges: None, certain_edges: 1, emission: Emission::Full };
-    // In a sphere each light brings flux x rho / (4 pi^2 R^2) x rho: L = L_e + direct + this.
-    let radiance = |flux: f64| 1.5 + flux * 0.25 / (4.0 * std::f64::consts::PI.powi(2));
-    let flux = |keller: Keller, pass: u64| {
-        let batch = manylight_framework::Generator::generate(&keller, &scene, pass, 9, &mut Probe::default()).unwrap();
-        (batch.lights.iter().map(|l| l.flux.luminance() as f64).sum::<f64>(), batch.lights.len())
-    };
-    // "Until there are N lights": divides by the number of paths that it took to find them.
-    let until = |target: usize, first_pass: u64| {
-        let (mut sum, mut lights, mut paths) = (0.0, 0, 0);
-        while lights < target {
-            let (more, found) = flux(Keller { paths: 1, ..honest }, first_pass + paths);
-            (sum, lights, paths) = (sum + more, lights + found, paths + 1);
-        }
-        radiance(sum / paths as f64)
-    };
-    let mean_of_16 = |run: u64| (0..16).map(|k| until(4, (run * 16 + k) * 100)).sum::<f64>() / 16.0;
-    let verdict = test((0..200).map(|run| vec![mean_of_16(run)]).collect());
-    assert!(verdict.rejected(), "stopping on a count of lights: {verdict}");
-    // The same with a fixed number of paths is right.
-    let verdict = test((0..400).map(|pass| vec![radiance(flux(honest, pass).0)]).collect());
-    assert!(verdict.passes(), "a fixed number of paths: {verdict}");
-    // Emission counted twice, one per cent too bright, half of one too dark.
-    for (what, wrong) in [("emission twice", 1.0), ("one per cent", 0.02), ("one half of a per cent", -0.01)] {
-        let r = recipe("path", &["spp=64"], &scene);
-        let rows = (0..64).map(|p| rooms_blocks(&scene, &*r.method, p).iter().map(|x| x + wrong).collect()).collect();
-        assert!(test(rows).rejected(), "{what}");
-    }
-}
-fn rooms_blocks(scene: &Scene, method: &dyn manylight_framework::Method, p: u64) -> Vec<f64> {
-    manylight_integration::blocks(&pass(scene, method, 64, 4, p).0, 2)
-}
-
-#[test]
 fn a_repeated_seed_repeats_the_pass_and_another_does_not() {
     let scene = lantern(0.5, (8, 8));
     let r = recipe(IR, &["paths=8"], &scene);
