@@ -682,7 +682,7 @@ fn a_light_on_rough_metal_is_kept_where_its_path_ends() {
     };
     let path = BoundedPath { bounding: Bound::Geometry(1.0), max_edges: 4 };
     let truth = block_runs(&scene, &path, 256, 3, 64, 2).with_mean();
-    agree("rough metal", &runs(&scene, IR, &["bound=1", "paths=512", "max-depth=4", "spp=4"], 96), &truth);
+    agree("rough metal", &runs(&scene, IR, &["bound=1", "paths=512", "min-depth=3", "max-depth=4"], 96), &truth);
 }
 
 #[test]
@@ -799,7 +799,7 @@ fn on_a_coarse_mesh_with_smooth_normals_paths_and_lights_agree() {
     let scene = built(b);
     let path = BoundedPath { bounding: Bound::Geometry(2.0), max_edges: 5 };
     let truth = block_runs(&scene, &path, 64, 3, 96, 2).with_mean();
-    let lights = runs(&scene, IR, &["bound=2", "paths=256", "max-depth=5", "spp=2"], 128);
+    let lights = runs(&scene, IR, &["bound=2", "paths=256", "min-depth=3", "max-depth=5"], 128);
     agree("smooth normals", &lights, &truth);
 }
 
