@@ -53,7 +53,7 @@ pub struct Render {
     /// Renders so many passes
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), conflicts_with = "time")]
     pub passes: Option<u64>,
-    /// Renders for about so long, such as 30s, 5m or 1.5h [default: 30s]
+    /// Renders for about so long, such as 30s, 5m or 1.5h; two passes always finish [default: 30s]
     #[arg(long, value_parser = duration)]
     pub time: Option<Duration>,
     /// What all random numbers follow from

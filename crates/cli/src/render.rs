@@ -9,7 +9,7 @@ use manylight_recipes::Recipe;
 use manylight_render::files::{self, Picture};
 use manylight_render::{Budget, RenderError, Rendering, Settings, Stats, Subject};
 use manylight_scene::Scene;
-use manylight_scene_io::LoadOptions;
+use manylight_scene_io::{LoadOptions, Loaded};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -18,7 +18,9 @@ pub fn run(args: &Render) -> Result<(), Failure> {
     let target = Target::new(args)?;
     let cancel = interrupt::flag()?;
     let start = Instant::now();
-    let scene = load(args)?;
+    let Loaded { scene, warnings, files } = load(args)?;
+    target.spares(&files)?;
+    warn(&warnings);
     let load = start.elapsed();
     let start = Instant::now();
     let recipe = manylight_recipes::build(&args.method, &args.parameters, &scene)?;
@@ -62,11 +64,9 @@ fn budget(args: &Render) -> Budget {
     }
 }
 
-fn load(args: &Render) -> Result<Scene, Failure> {
+fn load(args: &Render) -> Result<Loaded, Failure> {
     let options = LoadOptions { defines: args.defines.clone(), size: args.size, filter: args.filter };
-    let loaded = manylight_scene_io::load(&args.scene, &options).map_err(Failure::mistake)?;
-    warn(&loaded.warnings);
-    Ok(loaded.scene)
+    manylight_scene_io::load(&args.scene, &options).map_err(Failure::mistake)
 }
 
 fn warn(warnings: &[impl std::fmt::Display]) {
@@ -100,6 +100,25 @@ impl Target {
         let target = Target { png: exr.with_extension("png"), exr, stats: args.stats.clone() };
         target.paths().try_for_each(files::check_writable)?;
         Ok(target)
+    }
+    /// Is none of them a file that the scene was read from, and none named twice?
+    fn spares(&self, read: &[PathBuf]) -> Result<(), Failure> {
+        let real = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.into());
+        let outputs: Vec<PathBuf> = self.paths().map(real).collect();
+        for (i, output) in outputs.iter().enumerate() {
+            if read.iter().any(|r| real(r) == *output) {
+                let what =
+                    format!("{} belongs to the scene and would be overwritten: choose another -o", output.display());
+                return Err(Failure::Mistake(what));
+            }
+            if outputs[..i].contains(output) {
+                return Err(Failure::Mistake(format!(
+                    "{} is named for two outputs: choose another name",
+                    output.display()
+                )));
+            }
+        }
+        Ok(())
     }
     fn paths(&self) -> impl Iterator<Item = &Path> {
         [&self.exr, &self.png].into_iter().chain(&self.stats).map(PathBuf::as_path)

@@ -245,3 +245,11 @@ fn help_shows_only_what_there_is() {
     ends_with(0, &here, "--version");
     ends_with(1, &here, "");
 }
+
+#[test]
+fn an_output_never_overwrites_what_the_scene_is_made_of_nor_another_output() {
+    let directory = workplace();
+    is_refused(&directory, "render lamp.xml -o a.exr --stats lamp.xml --passes 1", "belongs to the scene");
+    is_refused(&directory, "render lamp.xml -o a.exr --stats a.png --passes 1", "named for two outputs");
+    assert_eq!(fs::read_to_string(directory.path().join("lamp.xml")).unwrap(), SCENE);
+}

@@ -21,7 +21,13 @@ impl Frame {
     }
     /// The frame whose x axis is as near to `tangent` as `n` allows (for anisotropic lobes); any, if they are parallel.
     pub fn with_tangent(n: Vec3, tangent: Vec3) -> Self {
-        match (tangent - n * n.dot(tangent)).try_normalize() {
+        let across = tangent - n * n.dot(tangent);
+        // What is left of a tangent along the normal is rounding: it says nothing.
+        if !(across.length_squared() > 1e-6 * tangent.length_squared()) {
+            return Frame::around(n);
+        }
+        // Once more, for the part along the normal that rounding left.
+        match across.try_normalize().and_then(|s| (s - n * n.dot(s)).try_normalize()) {
             Some(s) => Frame { s, t: n.cross(s), n },
             None => Frame::around(n),
         }
@@ -50,7 +56,8 @@ mod tests {
         fn to_world_undoes_to_local(x in -1f32..1.0, y in -1f32..1.0, z in -1f32..1.0, a in -1f32..1.0, b in -1f32..1.0, c in -1f32..1.0) {
             let Some(n) = Vec3::new(x, y, z).try_normalize() else { return Ok(()) };
             let w = Vec3::new(a, b, c);
-            for f in [Frame::around(n), Frame::with_tangent(n, w), Frame::with_tangent(n, n), Frame::around(n).flipped()] {
+            let along = n * 3.0 + w * 1e-6;
+            for f in [Frame::with_tangent(n, along), Frame::around(n), Frame::with_tangent(n, w), Frame::with_tangent(n, n), Frame::around(n).flipped()] {
                 prop_assert!((f.to_world(f.to_local(w)) - w).length() < 1e-5);
                 prop_assert!((f.s.cross(f.t) - f.n).length() < 1e-5);
             }

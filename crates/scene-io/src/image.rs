@@ -43,6 +43,15 @@ fn check_size(width: usize, height: usize, bytes: usize) -> Result<(), String> {
 
 fn read_other(bytes: &[u8], raw: bool) -> Result<Bitmap, String> {
     let broken = |e: image::ImageError| format!("cannot be decoded: {e}");
+    // Some writers of Radiance files, Mitsuba's among them, name the program otherwise than the decoder expects.
+    let renamed;
+    let bytes = match bytes.strip_prefix(b"#?RGBE\n") {
+        Some(rest) => {
+            renamed = [b"#?RADIANCE\n".as_slice(), rest].concat();
+            renamed.as_slice()
+        }
+        None => bytes,
+    };
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
     if reader.format().is_none_or(|f| !f.reading_enabled()) {
         return Err("not an image of a supported format: PNG, JPEG, Radiance HDR (.hdr) or OpenEXR".into());
@@ -140,6 +149,16 @@ mod tests {
             assert_eq!((bitmap.width, bitmap.height), (2, 1));
             assert!((bitmap.pixels[1].0.x - 0.2159).abs() < 1e-4, "{:?}", bitmap.pixels[1]);
             assert!((read(&bytes, true).unwrap().pixels[1].0.x - 128.0 / 255.0).abs() < 1e-6);
+        }
+    }
+    #[test]
+    fn a_radiance_file_is_read_whoever_says_he_wrote_it() {
+        let pixels = [image::Rgb([2.0f32, 1.0, 0.5]); 4];
+        let mut bytes = Vec::new();
+        image::codecs::hdr::HdrEncoder::new(&mut bytes).encode(&pixels, 2, 2).unwrap();
+        let other = [b"#?RGBE\n".as_slice(), bytes.strip_prefix(b"#?RADIANCE\n").unwrap()].concat();
+        for bytes in [bytes, other] {
+            assert_eq!(read(&bytes, false).unwrap().pixels[3], Spectrum::rgb(2.0, 1.0, 0.5));
         }
     }
     #[test]

@@ -307,10 +307,11 @@ impl Scene {
     pub fn sample_emission(&self, s: &mut Stream) -> Option<Emission> {
         self.emitters.sample_ray(&self.geometry, &self.textures, s)
     }
-    /// Does any material need a delta lobe (a smooth mirror, glass)?
+    /// Does any shape's material need a delta lobe (a smooth mirror, glass)?
     pub fn has_delta_lobes(&self) -> bool {
         let delta = |m: &crate::Model| m.resolve(&self.textures, Default::default()).has_delta();
-        self.materials.iter().any(|m| delta(&m.front) || m.back.as_ref().is_some_and(delta))
+        let of_shape = |s: &Placed| &self.materials[s.material.0 as usize];
+        self.shapes.iter().map(of_shape).any(|m| delta(&m.front) || m.back.as_ref().is_some_and(delta))
     }
     /// The BSDF of a material's front at texture coordinates.
     pub fn bsdf(&self, material: MaterialId, uv: manylight_math::Vec2) -> Bsdf {
