@@ -154,14 +154,17 @@ impl Emitters {
     pub(crate) fn numbers(&self) -> Vec<f32> {
         let mut all = Vec::new();
         for sampler in &self.samplers {
+            // The first number is the kind: a point and a direction may be the same three.
             match sampler {
-                Sampler::Area { shape, .. } => all.push(*shape as f32),
-                Sampler::Point { position: at, intensity: light }
-                | Sampler::Directional { direction: at, irradiance: light } => {
-                    all.extend(at.to_array().into_iter().chain(light.to_array()));
+                Sampler::Area { shape, .. } => all.extend([0.0, *shape as f32]),
+                Sampler::Point { position, intensity } => {
+                    all.extend([1.0].into_iter().chain(position.to_array()).chain(intensity.to_array()));
                 }
-                Sampler::Constant { radiance } => all.extend(radiance.to_array()),
-                Sampler::Environment(map) => all.extend(map.numbers()),
+                Sampler::Directional { direction, irradiance } => {
+                    all.extend([2.0].into_iter().chain(direction.to_array()).chain(irradiance.to_array()));
+                }
+                Sampler::Constant { radiance } => all.extend([3.0].into_iter().chain(radiance.to_array())),
+                Sampler::Environment(map) => all.extend([4.0].into_iter().chain(map.numbers())),
             }
         }
         all
