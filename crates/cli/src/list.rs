@@ -42,8 +42,9 @@ fn default_claim(name: &str) -> Result<Claim, Failure> {
 /// Name with default, what it can be, and what it means, of each parameter.
 fn parameters(params: impl Iterator<Item = Param>) -> String {
     let describe = |p: Param| {
+        let with = p.part_of.map_or(String::new(), |(other, values)| format!(" (with {other}={})", values.join("|")));
         let unit = if p.unit.is_empty() { String::new() } else { format!(" [{}]", p.unit) };
-        format!("  {}={}{unit}: {}\n      {}\n", p.name, p.default, p.kind.expected(), p.help)
+        format!("  {}={}{unit}: {}{with}\n      {}\n", p.name, p.default, p.kind.expected(), p.help)
     };
     params.map(describe).collect()
 }

@@ -50,12 +50,16 @@ impl PathClasses {
     /// delta lobe.
     pub const CAUSTICS: PathClasses = PathClasses(1);
 
-    /// Everything that is scattered more than once.
-    pub const INDIRECT: PathClasses = PathClasses(2);
+    /// Everything that is scattered more than once, caustics too.
+    pub const INDIRECT: PathClasses = PathClasses(3);
 
     /// Classes in either.
     pub fn union(self, o: PathClasses) -> PathClasses {
         PathClasses(self.0 | o.0)
+    }
+    /// Classes in both: what the sum of two estimators of different paths still misses.
+    pub fn common(self, o: PathClasses) -> PathClasses {
+        PathClasses(self.0 & o.0)
     }
     /// Are all classes of `o` in it?
     pub fn contains(self, o: PathClasses) -> bool {
@@ -147,8 +151,7 @@ impl fmt::Display for Claim {
         }
         if self.misses.contains(PathClasses::INDIRECT) {
             f.write_str("; no indirect light")?;
-        }
-        if self.misses.contains(PathClasses::CAUSTICS) {
+        } else if self.misses.contains(PathClasses::CAUSTICS) {
             f.write_str("; no caustics on the last surface that scatters")?;
         }
         Ok(())

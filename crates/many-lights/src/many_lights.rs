@@ -150,14 +150,15 @@ where
 impl<L, P: Promise, K: Promise, B: BoundingPlan> Promise for ManyLights<L, P, K, B> {
     fn claim(&self) -> Claim {
         let bounded = self.compensator.repairs(self.bounding.claim());
-        if self.generator.claim().misses.contains(PathClasses::INDIRECT) {
+        let generated = self.generator.claim();
+        if generated.misses.contains(PathClasses::INDIRECT) && !generated.noisy {
             // No lights: only direct light is left, which is sampled.
-            return Claim { noisy: true, ..self.generator.claim() };
+            return Claim { noisy: true, ..generated };
         }
         let kernel = self.kernel.claim();
         let kernel = Claim { finite_variance: kernel.finite_variance || self.bounding.tames(), ..kernel };
         // Camera samples are noisy whatever the parts.
-        Claim { noisy: true, ..self.generator.claim().and(self.plan.claim()).and(kernel).and(bounded) }
+        Claim { noisy: true, ..generated.and(self.plan.claim()).and(kernel).and(bounded) }
     }
 }
 

@@ -11,11 +11,12 @@
 //! # Ok::<(), manylight_recipes::RecipeError>(())
 //! ```
 
-mod compose;
 mod error;
 mod params;
+mod parts;
 mod registry;
 mod values;
+mod yardsticks;
 
 pub use error::RecipeError;
 pub use params::{Kind, Param};

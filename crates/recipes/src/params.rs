@@ -12,6 +12,8 @@ pub enum Kind {
     },
     /// One of some words.
     Choice(&'static [&'static str]),
+    /// One of some words, or several joined by `+`.
+    Sum(&'static [&'static str]),
     /// One of some words, or a positive number.
     NumberOr(&'static [&'static str]),
     /// A whole number in a range, or one of some words.
@@ -31,6 +33,7 @@ impl Kind {
         match self {
             Kind::Integer { min, max } => format!("a whole number from {min} to {max}"),
             Kind::Choice(words) => list(words),
+            Kind::Sum(words) => format!("{}, or several joined by `+`", list(words)),
             Kind::NumberOr(words) => format!("a positive number, {}", list(words)),
             Kind::IntegerOr { min, max, words } => format!("a whole number from {min} to {max}, or {}", list(words)),
         }
@@ -41,6 +44,11 @@ impl Kind {
         match self {
             Kind::Integer { min, max } => integer(*min, *max),
             Kind::Choice(words) => words.contains(&value),
+            Kind::Sum(words) => {
+                let terms: Vec<_> = value.split('+').collect();
+                let once = |t: &&str| terms.iter().filter(|o| o == &t).count() == 1;
+                terms.iter().all(|t| words.contains(t) && once(t))
+            }
             Kind::NumberOr(words) => {
                 words.contains(&value) || value.parse().is_ok_and(|x: f32| x > 0.0 && x.is_finite())
             }
@@ -66,123 +74,59 @@ pub struct Param {
     pub unit: &'static str,
     /// What it does, in a sentence.
     pub help: &'static str,
+    /// Another parameter, and the values of it with which this one is read: given with any other it is an error. `None`: always.
+    pub part_of: Option<(&'static str, &'static [&'static str])>,
 }
 
-const WHOLE: u64 = u32::MAX as u64;
+impl Param {
+    /// A parameter without unit that is always read.
+    pub(crate) const fn new(name: &'static str, kind: Kind, default: &'static str, help: &'static str) -> Param {
+        Param { name, kind, default, unit: "", help, part_of: None }
+    }
+    pub(crate) const fn unit(self, unit: &'static str) -> Param {
+        Param { unit, ..self }
+    }
+    /// Read only if the parameter `other` has one of these values (as a term, where it is a sum).
+    pub(crate) const fn part_of(self, other: &'static str, values: &'static [&'static str]) -> Param {
+        Param { part_of: Some((other, values)), ..self }
+    }
+}
+
+/// The largest whole number that parameters take.
+pub(crate) const WHOLE: u64 = u32::MAX as u64;
 
 /// Of every method.
 pub(crate) const COMMON: &[Param] = &[
-    Param {
-        name: "spp",
-        kind: Kind::Integer { min: 1, max: 65536 },
-        default: "1",
-        unit: "",
-        help: "camera samples a pixel and pass",
-    },
-    Param {
-        name: "max-depth",
-        kind: Kind::IntegerOr { min: 1, max: WHOLE, words: &["scene", "none"] },
-        default: "scene",
-        unit: "edges",
-        help: "longest path from emitter to eye (1: emission seen directly, 2: direct light); `scene`: what the file says",
-    },
-    Param {
-        name: "min-depth",
-        kind: Kind::Integer { min: 1, max: WHOLE },
-        default: "1",
-        unit: "edges",
-        help: "shortest path that counts: together with max-depth it isolates path lengths",
-    },
-];
-
-/// Of every composition of virtual lights.
-pub(crate) const MANY_LIGHTS: &[Param] = &[
-    Param {
-        name: "generator",
-        kind: Kind::Choice(&["keller"]),
-        default: "keller",
-        unit: "",
-        help: "where the virtual lights come from",
-    },
-    Param {
-        name: "paths",
-        kind: Kind::Integer { min: 1, max: 1 << 24 },
-        default: "64",
-        unit: "",
-        help: "light paths a pass",
-    },
-    Param {
-        name: "rr-depth",
-        kind: Kind::Integer { min: 1, max: WHOLE },
-        default: "1",
-        unit: "edges",
-        help: "light path length from which Russian roulette may end a path",
-    },
-    Param {
-        name: "glossy-vpls",
-        kind: Kind::Choice(&["on", "off"]),
-        default: "on",
-        unit: "",
-        help: "lights emit by their BSDF; `off`: as diffuse surfaces of the same albedo (keeps the energy, not its directions)",
-    },
-    Param {
-        name: "lights",
-        kind: Kind::Choice(&["all", "power"]),
-        default: "all",
-        unit: "",
-        help: "the light set: which lights each point asks",
-    },
-    Param {
-        name: "samples",
-        kind: Kind::Integer { min: 1, max: 1 << 20 },
-        default: "64",
-        unit: "",
-        help: "lights that each point asks, for lights=power",
-    },
-    Param {
-        name: "kernel",
-        kind: Kind::Choice(&["point"]),
-        default: "point",
-        unit: "",
-        help: "what a virtual light is",
-    },
-    Param {
-        name: "bound",
-        kind: Kind::NumberOr(&["none", "auto"]),
-        default: "auto",
-        unit: "1/m^2",
-        help: "largest geometry term cos cos / d^2; `auto`: pi paths / (surface of the scene), so that no light brings more than the mean irradiance",
-    },
-    Param {
-        name: "compensation",
-        kind: Kind::Choice(&["none"]),
-        default: "none",
-        unit: "",
-        help: "estimates what the bound takes away",
-    },
-    Param {
-        name: "direct",
-        kind: Kind::Choice(&["sampled", "virtual", "only"]),
-        default: "sampled",
-        unit: "",
-        help: "direct light by sampling the emitters, by virtual lights on them, or direct light alone",
-    },
+    Param::new("spp", Kind::Integer { min: 1, max: 65536 }, "1", "camera samples a pixel and pass"),
+    Param::new(
+        "max-depth",
+        Kind::IntegerOr { min: 1, max: WHOLE, words: &["scene", "none"] },
+        "scene",
+        "longest path from emitter to eye (1: emission seen directly, 2: direct light); `scene`: what the file says",
+    )
+    .unit("edges"),
+    Param::new(
+        "min-depth",
+        Kind::Integer { min: 1, max: WHOLE },
+        "1",
+        "shortest path that counts: together with max-depth it isolates path lengths",
+    )
+    .unit("edges"),
 ];
 
 /// Of the path tracer.
 pub(crate) const PATH: &[Param] = &[
-    Param {
-        name: "rr-depth",
-        kind: Kind::IntegerOr { min: 1, max: WHOLE, words: &["scene"] },
-        default: "scene",
-        unit: "edges",
-        help: "path length from which Russian roulette may end a path; `scene`: what the file says, or 5",
-    },
-    Param {
-        name: "nee",
-        kind: Kind::Choice(&["on", "off"]),
-        default: "on",
-        unit: "",
-        help: "sample the emitters at each vertex; `off`: find light by chance only",
-    },
+    Param::new(
+        "rr-depth",
+        Kind::IntegerOr { min: 1, max: WHOLE, words: &["scene"] },
+        "scene",
+        "path length from which Russian roulette may end a path; `scene`: what the file says, or 5",
+    )
+    .unit("edges"),
+    Param::new(
+        "nee",
+        Kind::Choice(&["on", "off"]),
+        "on",
+        "sample the emitters at each vertex; `off`: find light by chance only",
+    ),
 ];

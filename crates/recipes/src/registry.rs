@@ -1,9 +1,10 @@
 //! The list of methods.
 
 use crate::error::near;
-use crate::params::{COMMON, MANY_LIGHTS, PATH};
+use crate::params::{COMMON, PATH};
+use crate::parts::MANY_LIGHTS;
 use crate::values::Values;
-use crate::{Param, RecipeError, compose};
+use crate::{Param, RecipeError, parts, yardsticks};
 use manylight_framework::{Claim, Method, PathClasses};
 use manylight_scene::Scene;
 
@@ -18,7 +19,7 @@ pub struct MethodInfo {
     pub summary: &'static str,
     /// Where it was published.
     pub paper: &'static str,
-    own: &'static [Param],
+    own: &'static [&'static [Param]],
     /// Defaults that differ from the parameters' own.
     presets: &'static [(&'static str, &'static str)],
     compose: Compose,
@@ -31,7 +32,7 @@ static METHODS: &[MethodInfo] = &[
         paper: "Keller 1997, Instant radiosity",
         own: MANY_LIGHTS,
         presets: &[],
-        compose: compose::many_lights,
+        compose: parts::many_lights,
     },
     MethodInfo {
         name: "power-sampling",
@@ -39,7 +40,7 @@ static METHODS: &[MethodInfo] = &[
         paper: "Shirley, Wang and Zimmerman 1996, Monte Carlo techniques for direct lighting calculations",
         own: MANY_LIGHTS,
         presets: &[("lights", "power"), ("paths", "4096")],
-        compose: compose::many_lights,
+        compose: parts::many_lights,
     },
     MethodInfo {
         name: "many-lights",
@@ -47,22 +48,22 @@ static METHODS: &[MethodInfo] = &[
         paper: "Dachsbacher et al. 2014, Scalable realistic rendering with many-light methods",
         own: MANY_LIGHTS,
         presets: &[],
-        compose: compose::many_lights,
+        compose: parts::many_lights,
     },
     MethodInfo {
         name: "path",
         summary: "path tracing with next-event estimation and multiple importance sampling: the yardstick",
         paper: "Kajiya 1986, The rendering equation; Veach and Guibas 1995, Optimally combining sampling techniques",
-        own: PATH,
+        own: &[PATH],
         presets: &[],
-        compose: compose::path,
+        compose: yardsticks::path,
     },
 ];
 
 impl MethodInfo {
     /// Its parameters.
     pub fn params(&self) -> impl Iterator<Item = Param> + '_ {
-        let own = self.own.iter().chain(COMMON);
+        let own = self.own.iter().copied().flatten().chain(COMMON);
         own.map(|p| Param { default: self.default_of(p), ..*p })
     }
     pub(crate) fn default_of(&self, param: &Param) -> &'static str {
@@ -106,7 +107,7 @@ pub fn build(name: &str, params: &[(String, String)], scene: &Scene) -> Result<R
     let method = (info.compose)(&values, scene)?;
     let claim = method.claim();
     let mut warnings = Vec::new();
-    if claim.misses.contains(PathClasses::CAUSTICS) && scene.has_delta_lobes() {
+    if claim.misses == PathClasses::CAUSTICS && scene.has_delta_lobes() {
         warnings.push(format!(
             "the scene has mirrors or glass: `{name}` leaves out the light that reaches a surface through them (caustics); \
              `path` finds some of it"
@@ -131,6 +132,10 @@ mod tests {
                 assert!(p.kind.accepts(p.default), "{}: {}={}", m.name, p.name, p.default);
                 assert_eq!(names.iter().filter(|n| **n == p.name).count(), 1, "{}: {}", m.name, p.name);
             }
+            for (other, values) in m.params().filter_map(|p| p.part_of) {
+                let other = m.params().find(|p| p.name == other).unwrap();
+                assert!(values.iter().all(|v| other.kind.accepts(v)), "{}: {} never is {values:?}", m.name, other.name);
+            }
             for preset in m.presets {
                 assert!(names.contains(&preset.0), "{} presets `{}`, which it does not have", m.name, preset.0);
             }
@@ -145,6 +150,13 @@ mod tests {
         assert_eq!(error("paths", "0"), "paths=0: expected a whole number from 1 to 16777216");
         assert_eq!(error("bound", "-1"), "bound=-1: expected a positive number, `none` or `auto`");
         assert!(error("zzz", "1").contains("`manylight list instant-radiosity` shows all"));
+        assert_eq!(
+            error("samples", "3"),
+            "`samples` is read only with lights=power, and lights is `all`: leave it out, or say so"
+        );
+        assert!(
+            error("generator", "keller+keller").contains("expected `keller` or `emitters`, or several joined by `+`")
+        );
         let twice = Values::new(ir, &[("paths".into(), "3".into()), ("paths".into(), "4".into())]);
         assert_eq!(twice.err(), Some(RecipeError::Twice("paths".into())));
     }

@@ -36,7 +36,22 @@ impl Values {
                 slot.1 = value.clone();
             }
         }
+        for param in method.params().filter(|p| values.is_given(p.name)) {
+            let Some((other, with)) = param.part_of else { continue };
+            if !with.iter().any(|w| values.has_term(other, w)) {
+                return Err(RecipeError::Contrary(format!(
+                    "`{}` is read only with {other}={}, and {other} is `{}`: leave it out, or say so",
+                    param.name,
+                    with.join("|"),
+                    values.text(other)
+                )));
+            }
+        }
         Ok(values)
+    }
+    /// Is this the value, or one of the terms of a sum?
+    pub fn has_term(&self, name: &str, term: &str) -> bool {
+        self.text(name).split('+').any(|t| t == term)
     }
     /// The value of a parameter that the method has. Panics otherwise: a recipe that reads what it does not declare is wrong.
     pub fn text(&self, name: &str) -> &str {

@@ -2,7 +2,7 @@
 
 use crate::Vpl;
 use crate::keller::walk_all;
-use manylight_framework::{Batch, Claim, GenerateError, Generator, Probe, Promise};
+use manylight_framework::{Batch, Claim, GenerateError, Generator, PathClasses, Probe, Promise};
 use manylight_sampling::{Purpose, Stream};
 use manylight_scene::Scene;
 
@@ -15,7 +15,7 @@ pub struct Emitters {
 
 impl Promise for Emitters {
     fn claim(&self) -> Claim {
-        Claim::UNBIASED
+        Claim { misses: PathClasses::INDIRECT, ..Claim::UNBIASED }
     }
 }
 

@@ -8,7 +8,10 @@ pub struct Sum<L>(pub Vec<Box<dyn Generator<Lights = Vec<L>>>>);
 
 impl<L> Promise for Sum<L> {
     fn claim(&self) -> Claim {
-        self.0.iter().fold(Claim::EXACT, |c, g| c.and(g.claim()))
+        let claims = self.0.iter().map(|g| g.claim());
+        // Each makes paths that the others do not: only what none of them makes is missed.
+        let misses = claims.clone().map(|c| c.misses).reduce(PathClasses::common).unwrap_or(PathClasses::INDIRECT);
+        Claim { misses, ..claims.fold(Claim::EXACT, Claim::and) }
     }
 }
 impl<L> Generator for Sum<L> {
@@ -37,5 +40,19 @@ impl Generator for NoLights {
     type Lights = Vec<crate::Vpl>;
     fn generate(&self, _: &Scene, _: u64, _: u64, _: &mut Probe) -> Result<Batch<Vec<crate::Vpl>>, GenerateError> {
         Ok(Batch { lights: vec![], paths: 0, covers_direct: false })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Emission, Emitters, Keller};
+
+    #[test]
+    fn a_sum_misses_what_each_of_its_terms_misses() {
+        let keller = Keller { paths: 1, max_edges: None, certain_edges: 1, emission: Emission::Full };
+        let sum = Sum(vec![Box::new(keller), Box::new(Emitters { paths: 1 })]);
+        assert_eq!(sum.claim(), Claim { misses: PathClasses::CAUSTICS, ..Claim::UNBIASED });
+        assert!(Sum(vec![Box::new(Emitters { paths: 1 })]).claim().misses.contains(PathClasses::INDIRECT));
     }
 }
