@@ -110,12 +110,13 @@ fn print_share(name: &str, setting: &Setting) {
     let scene = &setting.scene;
     let edges = setting.edges();
     let rays: Vec<Ray> = edges.iter().filter_map(ray).collect();
+    let mut s = Stream::new(0, [0; 3], Purpose::TEST);
     // In turn, so that a busy machine slows all of them; of each the best.
     let [shadowed, unshadowed, tests, tree] = (0..TRIES).fold([f64::INFINITY; 4], |best, _| {
         let times = [
             seconds(|| setting.shadowed(&mut Probe::default())),
             seconds(|| setting.unshadowed(&mut Probe::default())),
-            seconds(|| edges.iter().map(|e| scene.transmittance(e)).sum::<Spectrum>()),
+            seconds(|| edges.iter().map(|e| scene.transmittance(e, &mut s)).sum::<Spectrum>()),
             seconds(|| rays.iter().filter(|r| scene.geometry().occluded(r)).count()),
         ];
         std::array::from_fn(|i| best[i].min(times[i]))

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const FLOORS: &[(u32, &[&str])] = &[
     (1, &["math", "stats"]),
     (2, &["sampling", "geometry"]),
-    (3, &["bsdf"]),
+    (3, &["bsdf", "media"]),
     (4, &["scene"]),
     (5, &["framework", "scene-io"]),
     (6, &["vpl", "compensation", "light-list", "many-lights", "reference", "render"]),

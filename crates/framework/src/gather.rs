@@ -44,9 +44,9 @@ impl<R, K, B: Bounding + ?Sized> Gather<'_, R, K, B> {
         let keep = self.bounding.keep(&c.pair);
         Some((c.value * keep, c.edge, keep)).filter(|k| !k.0.is_black())
     }
-    fn lit(&mut self, (value, edge, keep): (Spectrum, Edge, f32)) -> Spectrum {
+    fn lit(&mut self, (value, edge, keep): (Spectrum, Edge, f32), s: &mut Stream) -> Spectrum {
         self.probe.shadow_rays += 1;
-        let contribution = value * self.scene.transmittance(&edge);
+        let contribution = value * self.scene.transmittance(&edge, s);
         if let Some(list) = &mut self.probe.explain {
             list.push(Explained { edge, contribution, keep });
         }
@@ -56,7 +56,7 @@ impl<R, K, B: Bounding + ?Sized> Gather<'_, R, K, B> {
 
 impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Contribute<L> for Gather<'_, R, K, B> {
     fn contribution(&mut self, light: &L, s: &mut Stream) -> Spectrum {
-        self.kept(light, s).map_or(Spectrum::BLACK, |k| self.lit(k))
+        self.kept(light, s).map_or(Spectrum::BLACK, |k| self.lit(k, s))
     }
     fn contributions(&mut self, lights: &[L], out: &mut [Spectrum], s: &mut Stream) {
         // Connect a batch, then trace it: the rays, which share this end, are at hand together.
@@ -66,7 +66,7 @@ impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Contribute<L> fo
                 *k = self.kept(l, s);
             }
             for (k, o) in kept.iter().zip(out) {
-                *o = k.map_or(Spectrum::BLACK, |k| self.lit(k));
+                *o = k.map_or(Spectrum::BLACK, |k| self.lit(k, s));
             }
         }
     }

@@ -6,9 +6,9 @@ use manylight_framework::{
 };
 use manylight_geometry::{ShapeGeometry, TriangleMesh};
 use manylight_light_list::{All, AllLights};
-use manylight_math::{Aabb, DAffine3, DVec3, Ray, Spectrum, Vec3};
+use manylight_math::{Aabb, DAffine3, DVec3, MediumId, Ray, Spectrum, Vec3};
 use manylight_sampling::{Purpose, Stream};
-use manylight_scene::{Camera, Edge, End, Material, Model, Scene, Shape, Source, Span, Vertex};
+use manylight_scene::{Camera, Edge, End, HenyeyGreenstein, Material, Model, Scene, Shape, Source, Span, Vertex};
 use manylight_stats::{BlockTest, Reference, Runs};
 
 /// A fog that is the same everywhere.
@@ -129,8 +129,9 @@ fn scene() -> Scene {
     b.build().unwrap()
 }
 fn span(from: Vec3, to: Vec3, g: f32) -> Span {
-    let ray = Ray { t_max: (to - from).length(), ..Ray::new(from, (to - from).normalize()) };
-    Span { ray, medium: 0, scattering_max: FOG.scattering, g }
+    let phase = HenyeyGreenstein::new(g).unwrap();
+    let ray = Ray { t_max: (to - from).length(), ..Ray::new(from, (to - from).normalize()).within(MediumId::new(0)) };
+    Span { ray, scattering_max: FOG.scattering, phase }
 }
 fn eye() -> Span {
     span(Vec3::new(-2.0, 0.0, 0.0), Vec3::new(2.0, 0.0, 0.0), 0.4)
@@ -270,5 +271,5 @@ fn a_span_is_bounded_over_its_whole_length() {
         assert!(r.guess(y) <= r.lobe(&Aabb::point(y)).with_cosine * 1.0001);
     }
     let end = r.at(0.0, r.scattering_max).end();
-    assert!(matches!(end, End { surface: None, medium: Some(0), .. }));
+    assert!(matches!(end, End { surface: None, .. }) && end.towards(Vec3::X) == MediumId::new(0));
 }

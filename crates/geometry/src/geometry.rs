@@ -225,6 +225,24 @@ impl Geometry {
             t.unwrap_or(f32::INFINITY)
         })
     }
+    /// Everything that a ray meets in (0, t_max), in no order. A hit on an edge that triangles share may be reported for each.
+    pub fn every(&self, ray: &Ray, mut visit: impl FnMut(Hit)) {
+        let sheared = ShearedRay::new(ray);
+        let Some(r) = obvhs_ray(ray) else { return };
+        self.bvh.ray_traverse_anyhit(r, |_, i| {
+            let p = self.primitives[i];
+            let mut hit = |t, triangle, barycentrics| visit(Hit { t, shape: p.shape, triangle, barycentrics });
+            match &self.shapes[p.shape as usize] {
+                ShapeGeometry::Mesh(_) => {
+                    if let Some((t, b1, b2)) = sheared.intersect(&self.corners[i], ray.t_max) {
+                        hit(t, p.triangle, Vec2::new(b1, b2));
+                    }
+                }
+                ShapeGeometry::Sphere(s) => s.both(ray).into_iter().flatten().for_each(|t| hit(t, 0, Vec2::ZERO)),
+                ShapeGeometry::Disk(d) => d.intersect(ray, ray.t_max).into_iter().for_each(|t| hit(t, 0, Vec2::ZERO)),
+            }
+        });
+    }
     fn round(&self, p: Primitive, ray: &Ray, t_max: f32) -> Option<f32> {
         match &self.shapes[p.shape as usize] {
             ShapeGeometry::Sphere(s) => s.intersect(ray, t_max),

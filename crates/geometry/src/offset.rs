@@ -42,7 +42,7 @@ pub fn shadow_segment(a: (Vec3, Option<(Vec3, f32)>), b: (Vec3, Option<(Vec3, f3
     let length = length2.sqrt();
     let dir = d / length;
     // The length carries a few roundings of its own; stop short of the far end by more than those.
-    Some(Ray { origin: from, dir, t_max: length * (1.0 - 4.0 * f32::EPSILON) })
+    Some(Ray { t_max: length * (1.0 - 4.0 * f32::EPSILON), ..Ray::new(from, dir) })
 }
 
 #[cfg(test)]

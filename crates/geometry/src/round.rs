@@ -28,8 +28,17 @@ impl Sphere {
     pub(crate) fn bounds(&self) -> Aabb {
         Aabb { lo: self.centre - self.radius, hi: self.centre + self.radius }
     }
-    /// Distance to the first hit in (0, t_max); f64, so that far and huge spheres keep their digits.
+    /// Distance to the first hit in (0, t_max).
     pub(crate) fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        self.roots(ray)?.into_iter().find(|t| *t > 0.0 && *t < t_max)
+    }
+    /// Both hits in (0, t_max).
+    pub(crate) fn both(&self, ray: &Ray) -> [Option<f32>; 2] {
+        let inside = |t: &f32| *t > 0.0 && *t < ray.t_max;
+        self.roots(ray).map_or([None; 2], |roots| roots.map(|t| Some(t).filter(inside)))
+    }
+    /// Where the line meets it, the nearer first; f64, so that far and huge spheres keep their digits.
+    fn roots(&self, ray: &Ray) -> Option<[f32; 2]> {
         let d = ray.dir.as_dvec3();
         let o = (ray.origin - Vec3::ZERO).as_dvec3() - self.centre.as_dvec3();
         let (a, b) = (d.length_squared(), o.dot(d));
@@ -43,7 +52,7 @@ impl Sphere {
         let q = -b - root.copysign(b);
         let (t0, t1) = (q / a, (o.length_squared() - r2) / q);
         let (near, far) = if t0 < t1 { (t0, t1) } else { (t1, t0) };
-        [near, far].into_iter().map(|t| t as f32).find(|t| *t > 0.0 && *t < t_max)
+        Some([near as f32, far as f32])
     }
     /// The point in a unit direction from the centre, and its outward or inward normal.
     pub(crate) fn surface(&self, out: Vec3) -> (Vec3, Vec3) {

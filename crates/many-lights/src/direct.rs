@@ -42,7 +42,7 @@ fn from_emitter(scene: &Scene, x: &Vertex, probe: &mut Probe, s: &mut Stream) ->
         None => 1.0,
     };
     probe.shadow_rays += 1;
-    value * scene.transmittance(&edge) * weight
+    value * scene.transmittance(&edge, s) * weight
 }
 
 fn from_bsdf(scene: &Scene, x: &Vertex, probe: &mut Probe, s: &mut Stream) -> Spectrum {

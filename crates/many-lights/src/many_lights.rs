@@ -168,9 +168,9 @@ struct Counted<'a> {
     rays: AtomicU64,
 }
 impl Occlusion for Counted<'_> {
-    fn transmittance(&self, edge: &Edge, _: &mut Stream) -> Spectrum {
+    fn transmittance(&self, edge: &Edge, s: &mut Stream) -> Spectrum {
         self.rays.fetch_add(1, Ordering::Relaxed);
-        self.scene.transmittance(edge)
+        self.scene.transmittance(edge, s)
     }
     fn extent(&self) -> Aabb {
         self.scene.bounds()

@@ -31,6 +31,7 @@ pub use manylight_geometry as geometry;
 pub use manylight_light_list as light_list;
 pub use manylight_many_lights as many_lights;
 pub use manylight_math as math;
+pub use manylight_media as media;
 pub use manylight_recipes as recipes;
 pub use manylight_reference as reference;
 pub use manylight_render as render;

@@ -18,7 +18,7 @@ mod spectrum;
 pub use aabb::Aabb;
 pub use frame::Frame;
 pub use glam::{DAffine3, DMat3, DMat4, DVec3, Mat3, Vec2, Vec3, Vec3A};
-pub use ray::Ray;
+pub use ray::{MediumId, Ray};
 pub use spectrum::Spectrum;
 
 /// 1 / pi. [1/sr] as the BSDF of a white diffuse surface.

@@ -34,9 +34,21 @@ pub enum RecipeError {
     /// A parameter is given twice.
     #[error("parameter `{0}` is given twice: give it once")]
     Twice(String),
+    /// The method does not scatter in media.
+    #[error("the scene has media, and `{method}` knows nothing of them: use {}", all(use_))]
+    Media {
+        /// The method.
+        method: String,
+        /// Those that do.
+        use_: &'static [&'static str],
+    },
     /// Two parameters say contrary things.
     #[error("{0}")]
     Contrary(String),
+}
+
+fn all(names: &[&str]) -> String {
+    names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(" or ")
 }
 
 fn nearest(near: &Option<String>) -> String {

@@ -60,6 +60,9 @@ static METHODS: &[MethodInfo] = &[
     },
 ];
 
+/// Methods that scatter in media; the others would leave out what media take and give.
+const IN_MEDIA: &[&str] = &["path"];
+
 impl MethodInfo {
     /// Its parameters.
     pub fn params(&self) -> impl Iterator<Item = Param> + '_ {
@@ -104,6 +107,9 @@ pub fn method(name: &str) -> Result<&'static MethodInfo, RecipeError> {
 pub fn build(name: &str, params: &[(String, String)], scene: &Scene) -> Result<Recipe, RecipeError> {
     let info = method(name)?;
     let values = Values::new(info, params)?;
+    if scene.has_media() && !IN_MEDIA.contains(&info.name) {
+        return Err(RecipeError::Media { method: name.into(), use_: IN_MEDIA });
+    }
     let method = (info.compose)(&values, scene)?;
     let claim = method.claim();
     let mut warnings = Vec::new();

@@ -52,7 +52,12 @@ impl Integrator for PathTracer {
             if edges > 1 {
                 probe.path_rays += 1;
             }
-            let Some(x) = scene.intersect(&ray, Mode::Radiance) else {
+            let (x, through) = scene.advance(&ray, Mode::Radiance, beta, s);
+            beta *= through;
+            if beta.is_black() {
+                break;
+            }
+            let Some(x) = x else {
                 let emitted = scene.environment(ray.dir);
                 if counts(edges) && !emitted.is_black() {
                     sum += beta * emitted * self.weight(&drawn, || scene.emitters().environment_pdf_sa(ray.dir));
@@ -118,7 +123,7 @@ impl PathTracer {
         }
         probe.shadow_rays += 1;
         let weight = density.map_or(1.0, |p| heuristic(p / jacobian, x.pdf_sa(dir)));
-        contribution * scene.transmittance(&edge) * weight
+        contribution * scene.transmittance(&edge, s) * weight
     }
 }
 

@@ -40,7 +40,7 @@ fn what_the_other_scenes_still_need_is_said_with_its_place() {
         ("modern-hall", None),
         ("classroom", None),
         ("wooden-staircase", Some("the bsdf `bumpmap` is not supported yet")),
-        ("volumetric-caustic", Some("media are not supported yet")),
+        ("volumetric-caustic", None),
         ("combustion-plume", Some("not supported yet")),
     ] {
         let Some(path) = shared(name) else { continue };

@@ -1,7 +1,7 @@
 //! The pinhole camera.
 
 use crate::SceneError;
-use manylight_math::{DAffine3, DVec3, Ray, Vec2, Vec3};
+use manylight_math::{DAffine3, DVec3, MediumId, Ray, Vec2, Vec3};
 
 /// A pinhole camera, in Mitsuba's convention: in its own frame it looks along +z, with +x to the left and +y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +20,8 @@ pub struct Camera {
     pixel: Vec2,
     /// Pixels in a row, and rows.
     pub size: (u32, u32),
+    /// What the pinhole is in.
+    pub medium: MediumId,
 }
 
 impl Camera {
@@ -59,12 +61,17 @@ impl Camera {
             corner: Vec2::new(-half[0] as f32, half[1] as f32),
             pixel: Vec2::splat(pixel as f32),
             size,
+            medium: MediumId::VACUUM,
         })
+    }
+    /// The same camera in a medium.
+    pub fn within(self, medium: MediumId) -> Self {
+        Camera { medium, ..self }
     }
     /// The ray through a point of the image: (0, 0) is the upper left corner of the first pixel, y grows downwards. \[pixel\]
     pub fn ray(&self, at: Vec2) -> Ray {
         let film = self.corner + Vec2::new(at.x, -at.y) * self.pixel;
-        Ray::new(self.origin, (self.forward + self.right * film.x + self.up * film.y).normalize())
+        Ray::new(self.origin, (self.forward + self.right * film.x + self.up * film.y).normalize()).within(self.medium)
     }
     /// Where a direction from the pinhole meets the image \[pixel\], and the cosine of its angle to the axis; `None` from behind.
     pub fn project(&self, dir: Vec3) -> Option<(Vec2, f32)> {

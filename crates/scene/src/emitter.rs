@@ -1,9 +1,10 @@
 //! Where light comes from, and drawing from it.
 
+use crate::media::Media;
 use crate::vertex::{EmitterPoint, Scatter, Vertex};
 use crate::{Environment, Source, Texture};
 use manylight_geometry::{Geometry, ShapeGeometry, offset_from};
-use manylight_math::{Frame, INV_4PI, INV_PI, Ray, Spectrum, Vec3};
+use manylight_math::{Frame, INV_4PI, INV_PI, MediumId, Ray, Spectrum, Vec2, Vec3};
 use manylight_sampling::{AliasTable, Stream, warp};
 use std::f32::consts::PI;
 
@@ -149,6 +150,32 @@ impl Emitters {
         }
         let pick = AliasTable::new(powers.iter().copied());
         (Emitters { samplers, pick, world, environment, powers }, of_shape)
+    }
+    /// What each emitter's light starts in: as its shape says, else as the nearest surface that parts media says.
+    pub(crate) fn media(&self, media: &Media, geometry: &Geometry, camera: MediumId) -> Vec<MediumId> {
+        let parted = media.boundaries.is_some() || media.of_shape.iter().any(Option::is_some);
+        // Where nothing parts media there is one, and it reaches to infinity.
+        let far = if parted { MediumId::VACUUM } else { camera };
+        let near = |p: Vec3, n: Vec3| media.around(geometry, p, n).unwrap_or(far);
+        let of = |sampler: &Sampler| match sampler {
+            Sampler::Area { shape, triangles, .. } => media.of_shape[*shape as usize].map_or_else(
+                || {
+                    let x = match (&geometry.shapes()[*shape as usize], triangles) {
+                        (ShapeGeometry::Mesh(_), None) => return far, // without area
+                        (ShapeGeometry::Mesh(_), Some(_)) => {
+                            geometry.surface_on_triangle(*shape, 0, Vec2::splat(1.0 / 3.0))
+                        }
+                        (ShapeGeometry::Sphere(_), _) => geometry.surface_on_sphere(*shape, Vec3::Z),
+                        (ShapeGeometry::Disk(_), _) => geometry.surface_on_disk(*shape, Vec2::ZERO),
+                    };
+                    near(offset_from(x.p, x.ng, x.error, x.ng), x.ng)
+                },
+                |sides| sides.outside,
+            ),
+            Sampler::Point { position, .. } => near(*position, Vec3::new(0.48, 0.6, 0.64)),
+            Sampler::Directional { .. } | Sampler::Constant { .. } | Sampler::Environment(_) => far,
+        };
+        self.samplers.iter().map(of).collect()
     }
     /// All numbers that make them what they are, for a hash of the scene.
     pub(crate) fn numbers(&self) -> Vec<f32> {

@@ -1,12 +1,15 @@
 //! Everything that is rendered, and the questions that light transport asks of it.
 
-use crate::vertex::{Edge, Scatter, SurfacePoint, Vertex};
+use crate::media::{Boundaries, Media};
+use crate::vertex::{Edge, MediumPoint, Scatter, Sides, SurfacePoint, Vertex};
 use crate::{
-    Camera, Emission, Emitter, EmitterSample, Emitters, Filter, Material, MaterialId, Source, Texture, TextureId,
+    Boundary, Camera, Emission, Emitter, EmitterSample, Emitters, Filter, Material, MaterialId, Run, Source, Texture,
+    TextureId,
 };
 use manylight_bsdf::{Bsdf, Mode};
 use manylight_geometry::{Geometry, GeometryError, Hit, ShapeGeometry, offset_from, shadow_segment};
-use manylight_math::{Aabb, Frame, Ray, Spectrum, Vec3};
+use manylight_math::{Aabb, Frame, MediumId, Ray, Spectrum, Vec3};
+use manylight_media::Medium;
 use manylight_sampling::Stream;
 
 /// Index of a shape in its scene.
@@ -55,6 +58,9 @@ pub enum SceneError {
     /// An emission is negative or not finite.
     #[error("{0}")]
     Emission(String),
+    /// More media than an index holds.
+    #[error("{0} media: at most {most} are possible", most = MediumId::MOST)]
+    Media(usize),
     /// More than one light surrounds the scene.
     #[error("{0} lights surround the scene (constant or envmap): at most one is possible")]
     Environments(usize),
@@ -71,9 +77,26 @@ pub struct SceneBuilder {
     filter: Option<Filter>,
     max_depth: Option<u32>,
     rr_depth: Option<u32>,
+    media: Vec<Medium>,
+    boundaries: Vec<Boundary>,
+    parts: Vec<(ShapeId, Sides)>,
 }
 
 impl SceneBuilder {
+    /// Adds a medium.
+    pub fn medium(&mut self, medium: Medium) -> MediumId {
+        self.media.push(medium);
+        // Too many are refused by `build`.
+        MediumId::new((self.media.len() - 1).min(MediumId::MOST - 1) as u16)
+    }
+    /// Adds a surface that parts two media and does nothing else. It must close, or end at shapes.
+    pub fn boundary(&mut self, boundary: Boundary) {
+        self.boundaries.push(boundary);
+    }
+    /// Says what lies on the two sides of a shape. Of all others the medium is the same on both, whatever it is.
+    pub fn parts(&mut self, shape: ShapeId, sides: Sides) {
+        self.parts.push((shape, sides));
+    }
     /// Adds a texture.
     pub fn texture(&mut self, texture: Texture) -> TextureId {
         self.textures.push(texture);
@@ -135,6 +158,22 @@ impl SceneBuilder {
                 _ => {}
             }
         }
+        let named = self.boundaries.iter().map(|b| (&b.name, b.sides));
+        let shape_name = |id: &ShapeId| self.shapes.get(id.0 as usize).map(|s| &s.name);
+        for (name, sides) in named.chain(self.parts.iter().filter_map(|(id, s)| Some((shape_name(id)?, *s)))) {
+            for index in [sides.outside, sides.inside].into_iter().filter_map(MediumId::index) {
+                missing(format!("shape `{name}`"), "medium", index as u32, self.media.len())?;
+            }
+        }
+        for (id, _) in &self.parts {
+            missing("a medium's place".into(), "shape", id.0, self.shapes.len())?;
+        }
+        if let Some(index) = camera.medium.index() {
+            missing("the camera".into(), "medium", index as u32, self.media.len())?;
+        }
+        if self.media.len() >= MediumId::MOST {
+            return Err(SceneError::Media(self.media.len()));
+        }
         let mut environments = 0;
         for e in &self.emitters {
             let (valid, surrounds) = match e {
@@ -177,7 +216,19 @@ impl SceneBuilder {
         for (shape, emitter) in shapes.iter_mut().zip(of_shape) {
             shape.emitter = emitter;
         }
+        let media = if self.media.is_empty() {
+            None
+        } else {
+            let boundaries =
+                Boundaries::new(self.boundaries).map_err(|(name, error)| SceneError::Geometry { name, error })?;
+            let mut of_shape = vec![None; shapes.len()];
+            self.parts.iter().for_each(|(id, sides)| of_shape[id.0 as usize] = Some(*sides));
+            let mut media = Media { list: self.media, boundaries, of_shape, of_emitter: Vec::new() };
+            media.of_emitter = emitters.media(&media, &geometry, camera.medium);
+            Some(Box::new(media))
+        };
         Ok(Scene {
+            media,
             geometry,
             shapes,
             materials: self.materials,
@@ -201,6 +252,8 @@ struct Placed {
 
 /// Everything that is rendered. Read-only while rendering.
 pub struct Scene {
+    /// None of it, where there is no medium.
+    media: Option<Box<Media>>,
     geometry: Geometry,
     shapes: Vec<Placed>,
     materials: Vec<Material>,
@@ -254,12 +307,55 @@ impl Scene {
         self.geometry.shapes().iter().map(ShapeGeometry::area).sum()
     }
 
-    /// The first surface along a ray, as a vertex of an eye path or a light path.
+    /// Is there any medium?
+    pub fn has_media(&self) -> bool {
+        self.media.is_some()
+    }
+    /// A medium; `None` for vacuum.
+    pub fn medium(&self, id: MediumId) -> Option<&Medium> {
+        self.media.as_ref()?.get(id)
+    }
+    /// The pieces of (0, t_max) of a ray that lie in media, in order.
+    pub fn runs(&self, ray: &Ray) -> Vec<Run> {
+        let mut runs = Vec::new();
+        if let Some(media) = &self.media {
+            media.walk(ray, |run| {
+                runs.extend(Some(run).filter(|r| r.medium != MediumId::VACUUM));
+                true
+            });
+        }
+        runs
+    }
+    /// The first surface along a ray, as a vertex of an eye path or a light path. Media on the way change nothing: what they
+    /// let through is `transmittance`, and `advance` scatters in them.
     pub fn intersect(&self, ray: &Ray, mode: Mode) -> Option<Vertex> {
         let hit = self.geometry.intersect(ray)?;
-        Some(self.vertex_at(ray, &hit, mode))
+        let medium = match &self.media {
+            None => MediumId::VACUUM,
+            Some(media) => media.walk(&until(ray, hit.t), |_| true),
+        };
+        Some(self.vertex_at(ray, &hit, mode, medium))
     }
-    fn vertex_at(&self, ray: &Ray, hit: &Hit, mode: Mode) -> Vertex {
+    /// Where a path that carries `throughput` goes along a ray: to a collision with a medium, drawn, or to the first surface;
+    /// `None`, and it leaves the scene. With it what one unit becomes on the way: T / pdf, times sigma_s at a collision, whose
+    /// vertex has a phase function alone. Without media it is `intersect`, and draws nothing.
+    pub fn advance(&self, ray: &Ray, mode: Mode, throughput: Spectrum, s: &mut Stream) -> (Option<Vertex>, Spectrum) {
+        let Some(media) = &self.media else { return (self.intersect(ray, mode), Spectrum::ONE) };
+        let hit = self.geometry.intersect(ray);
+        let length = hit.map_or(ray.t_max, |h| h.t);
+        let (collision, weight, medium) = media.fly(&until(ray, length), throughput, s);
+        let vertex = match (collision, hit) {
+            (Some(t), _) => media.get(medium).map(|m| {
+                let point = MediumPoint { wi: -ray.dir, scattering: Spectrum::ONE, phase: m.phase(), medium };
+                Vertex { p: ray.at(t), scatter: Scatter::Medium(point) }
+            }),
+            (None, Some(hit)) => Some(self.vertex_at(ray, &hit, mode, medium)),
+            (None, None) => None,
+        };
+        (vertex, weight)
+    }
+    /// The surface at a hit; `medium` is what the ray arrived through.
+    fn vertex_at(&self, ray: &Ray, hit: &Hit, mode: Mode, medium: MediumId) -> Vertex {
         let x = self.geometry.surface(ray, hit);
         let shape = &self.shapes[hit.shape as usize];
         let material = &self.materials[shape.material.0 as usize];
@@ -276,6 +372,8 @@ impl Scene {
         let bsdf = if dark { Bsdf::Black } else { bsdf };
         let mut point = SurfacePoint::new(&x, frame, wi, bsdf, mode);
         point.emitter = shape.emitter;
+        let parts = self.media.as_ref().and_then(|m| m.of_shape[hit.shape as usize]);
+        point.sides = parts.unwrap_or(Sides::both(medium));
         // By the geometric normal, as the emitters draw: a shading normal does not say where a lamp shines.
         if let Some(radiance) = shape.radiance
             && wi.dot(x.ng) > 0.0
@@ -288,16 +386,32 @@ impl Scene {
     pub fn environment(&self, dir: Vec3) -> Spectrum {
         self.emitters.environment_radiance(dir)
     }
-    /// What gets through along an edge: one if it is clear, black if it is blocked.
-    pub fn transmittance(&self, edge: &Edge) -> Spectrum {
-        let ray = match edge {
+    /// What gets through along an edge: black if a surface blocks it, else one, or what the media on the way let through (an
+    /// estimate where that has no closed form; only then is anything drawn). Media are known at the edge's first end.
+    pub fn transmittance(&self, edge: &Edge, s: &mut Stream) -> Spectrum {
+        let (ray, from) = match edge {
             Edge::Between(a, b) => match shadow_segment((a.p, a.surface), (b.p, b.surface)) {
-                Some(ray) => ray,
+                Some(ray) => (ray, a),
                 None => return Spectrum::ONE, // nothing fits between coincident points
             },
-            Edge::ToInfinity(a, w) => Ray::new(a.surface.map_or(a.p, |(n, error)| offset_from(a.p, n, error, *w)), *w),
+            Edge::ToInfinity(a, w) => {
+                (Ray::new(a.surface.map_or(a.p, |(n, error)| offset_from(a.p, n, error, *w)), *w), a)
+            }
         };
-        if self.geometry.occluded(&ray) { Spectrum::BLACK } else { Spectrum::ONE }
+        if self.geometry.occluded(&ray) {
+            return Spectrum::BLACK;
+        }
+        let Some(media) = &self.media else { return Spectrum::ONE };
+        let ray = match edge {
+            // The shadow ray may run either way.
+            Edge::Between(a, b) => {
+                let d = b.p - a.p;
+                let length = d.length();
+                Ray { t_max: length, ..Ray::new(a.p, d / length) }
+            }
+            Edge::ToInfinity(..) => ray,
+        };
+        media.transmittance(&ray.within(from.towards(ray.dir)), s)
     }
     /// Draws a point of an emitter, or a direction to infinity. `None` if nothing shines.
     pub fn sample_emitter(&self, s: &mut Stream) -> Option<EmitterSample> {
@@ -305,7 +419,11 @@ impl Scene {
     }
     /// Draws a ray of light. `None` if nothing shines.
     pub fn sample_emission(&self, s: &mut Stream) -> Option<Emission> {
-        self.emitters.sample_ray(&self.geometry, &self.textures, s)
+        let mut emission = self.emitters.sample_ray(&self.geometry, &self.textures, s)?;
+        if let Some(media) = &self.media {
+            emission.ray.medium = media.of_emitter[emission.start.emitter as usize];
+        }
+        Some(emission)
     }
     /// Does any shape's material need a delta lobe (a smooth mirror, glass)?
     pub fn has_delta_lobes(&self) -> bool {
@@ -321,14 +439,7 @@ impl Scene {
     pub fn hash(&self) -> u64 {
         let mut h = Fnv(0xcbf2_9ce4_8422_2325);
         for (shape, placed) in self.geometry.shapes().iter().zip(&self.shapes) {
-            match shape {
-                ShapeGeometry::Mesh(m) => {
-                    m.positions.iter().chain(&m.normals).for_each(|p| h.floats(&p.to_array()));
-                    m.uvs.iter().for_each(|p| h.floats(&p.to_array()));
-                    m.triangles.iter().flatten().for_each(|i| h.add(&i.to_le_bytes()));
-                }
-                round => h.add(format!("{round:?}").as_bytes()),
-            }
+            h.shape(shape);
             h.add(format!("{:?} {:?}", placed.material, placed.radiance).as_bytes());
         }
         for t in &self.textures {
@@ -343,8 +454,18 @@ impl Scene {
         let rest = format!("{:?} {:?} {:?} {:?}", self.materials, self.camera, self.filter, self.max_depth);
         h.add(rest.as_bytes());
         h.floats(&self.emitters.numbers());
+        if let Some(media) = &self.media {
+            media.list.iter().for_each(|m| h.add(format!("{m:?}").as_bytes()));
+            h.add(format!("{:?} {:?}", media.of_shape, media.boundaries.as_ref().map(|b| b.geometry().1)).as_bytes());
+            media.boundaries.iter().for_each(|b| h.geometry(b.geometry().0));
+        }
         h.0
     }
+}
+
+/// A ray up to a surface, and not beyond: a boundary that coincides with the surface is not crossed.
+fn until(ray: &Ray, t: f32) -> Ray {
+    Ray { t_max: t * (1.0 - 4.0 * f32::EPSILON), ..*ray }
 }
 
 struct Fnv(u64);
@@ -352,6 +473,19 @@ impl Fnv {
     fn add(&mut self, bytes: &[u8]) {
         for b in bytes {
             self.0 = (self.0 ^ *b as u64).wrapping_mul(0x100_0000_01b3);
+        }
+    }
+    fn geometry(&mut self, geometry: &Geometry) {
+        geometry.shapes().iter().for_each(|s| self.shape(s));
+    }
+    fn shape(&mut self, shape: &ShapeGeometry) {
+        match shape {
+            ShapeGeometry::Mesh(m) => {
+                m.positions.iter().chain(&m.normals).for_each(|p| self.floats(&p.to_array()));
+                m.uvs.iter().for_each(|p| self.floats(&p.to_array()));
+                m.triangles.iter().flatten().for_each(|i| self.add(&i.to_le_bytes()));
+            }
+            round => self.add(format!("{round:?}").as_bytes()),
         }
     }
     fn floats(&mut self, values: &[f32]) {

@@ -2,7 +2,9 @@
 
 use manylight_bsdf::{Bsdf, Lobe, Mode};
 use manylight_geometry::{Surface, offset_from};
-use manylight_math::{Aabb, Frame, INV_4PI, Ray, Spectrum, Vec2, Vec3};
+
+use manylight_math::{Aabb, Frame, MediumId, Ray, Spectrum, Vec2, Vec3};
+use manylight_media::HenyeyGreenstein;
 
 /// One end of an edge: a point, its surface if it lies on one, and the medium around it.
 #[derive(Clone, Copy, Debug)]
@@ -11,8 +13,38 @@ pub struct End {
     pub p: Vec3,
     /// Geometric normal and error bound \[m\] of the surface that it lies on.
     pub surface: Option<(Vec3, f32)>,
-    /// Index of the medium around it; none is vacuum.
-    pub medium: Option<u32>,
+    /// What is around it.
+    pub sides: Sides,
+}
+
+impl End {
+    /// The medium that an edge along `w` starts in.
+    pub fn towards(&self, w: Vec3) -> MediumId {
+        self.sides.towards(self.surface.map(|s| s.0), w)
+    }
+}
+
+/// The media around a point: of a surface, one on each side of its geometric normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sides {
+    /// On the side that the normal points to.
+    pub outside: MediumId,
+    /// On the other side.
+    pub inside: MediumId,
+}
+
+impl Sides {
+    /// Vacuum on both sides.
+    pub const VACUUM: Sides = Sides { outside: MediumId::VACUUM, inside: MediumId::VACUUM };
+
+    /// The same on both sides.
+    pub fn both(medium: MediumId) -> Self {
+        Sides { outside: medium, inside: medium }
+    }
+    /// What lies on the side that `w` leaves to.
+    pub fn towards(&self, normal: Option<Vec3>, w: Vec3) -> MediumId {
+        if normal.is_some_and(|n| n.dot(w) < 0.0) { self.inside } else { self.outside }
+    }
 }
 
 /// What must be clear for a connection to count.
@@ -63,6 +95,8 @@ pub struct SurfacePoint {
     pub emitted: Spectrum,
     /// Index of the emitter that the surface is, or `u32::MAX`.
     pub emitter: u32,
+    /// The media that it parts.
+    pub sides: Sides,
 }
 
 /// A point of a medium.
@@ -73,10 +107,10 @@ pub struct MediumPoint {
     /// Multiplies the phase function: sigma_s [1/m] for a receiver and for a point on a virtual ray light; one for a virtual
     /// point light, whose flux is scattered power and has its sigma_s inside.
     pub scattering: Spectrum,
-    /// Mean cosine of Henyey and Greenstein's phase function, in (-1, 1).
-    pub g: f32,
-    /// Index of the medium.
-    pub medium: u32,
+    /// How it scatters.
+    pub phase: HenyeyGreenstein,
+    /// Which medium.
+    pub medium: MediumId,
 }
 
 /// A point of an emitter. Its lobe is normalised: times the flux it is what is emitted.
@@ -117,7 +151,8 @@ impl SurfacePoint {
     /// A surface with its BSDF, seen along `wi`. `frame` and `bsdf` as of the side that is seen.
     pub fn new(x: &Surface, frame: Frame, wi: Vec3, bsdf: Bsdf, mode: Mode) -> Self {
         let emitted = Spectrum::BLACK;
-        SurfacePoint { ng: x.ng, frame, wi, bsdf, mode, error: x.error, emitted, emitter: u32::MAX }
+        let sides = Sides::VACUUM;
+        SurfacePoint { ng: x.ng, frame, wi, bsdf, mode, error: x.error, emitted, emitter: u32::MAX, sides }
     }
     /// What makes shading normals conserve what geometric normals say: |ns . wi| / |ng . wi| for light paths, one for eye
     /// paths (the part of Veach 1997, Eq. 5.19 that belongs to the arrival).
@@ -144,31 +179,6 @@ impl SurfacePoint {
     }
 }
 
-impl MediumPoint {
-    /// Henyey and Greenstein 1941, for the cosine between the light's travel before and after. [1/sr]
-    fn phase(&self, w: Vec3) -> f32 {
-        let g = self.g;
-        let d = 1.0 + g * g + 2.0 * g * self.wi.dot(w); // wi points back, so a straight course is wi . w = -1
-        INV_4PI * (1.0 - g * g) / (d * d.sqrt())
-    }
-    /// Largest value of the phase function. [1/sr]
-    fn largest(&self) -> f32 {
-        let g = self.g.abs();
-        INV_4PI * (1.0 + g) / ((1.0 - g) * (1.0 - g))
-    }
-    fn sample(&self, u: Vec2) -> Vec3 {
-        let g = self.g;
-        // The textbook inverse divides by 2g and cancels near g = 0; the same polynomial divided out does not.
-        let (x, g2) = (2.0 * u.x - 1.0, g * g);
-        let q = 1.0 + g * x;
-        let cos = (x * (1.0 + g2) + 0.5 * g * (x * x * (1.0 + g2) + 3.0 - g2)) / (q * q);
-        let cos = cos.clamp(-1.0, 1.0);
-        let sin = (1.0 - cos * cos).max(0.0).sqrt();
-        let (s, c) = (std::f32::consts::TAU * u.y).sin_cos();
-        Frame::around(-self.wi).to_world(Vec3::new(sin * c, sin * s, cos))
-    }
-}
-
 impl Vertex {
     /// BSDF, phase function or emission profile towards `w`, without this vertex's cosine. [1/sr] or [1/(m sr)]
     pub fn lobe_at(&self, w: Vec3) -> Spectrum {
@@ -179,7 +189,7 @@ impl Vertex {
                 }
                 x.bsdf.eval(x.frame.to_local(x.wi), x.frame.to_local(w)) * x.arrival()
             }
-            Scatter::Medium(x) => x.scattering * x.phase(w),
+            Scatter::Medium(x) => x.scattering * x.phase.eval(x.wi, w),
             Scatter::Emitter(EmitterPoint::Lambert { n, .. }) if !(n.dot(w) > 0.0) => Spectrum::BLACK,
             Scatter::Emitter(point) => Spectrum::gray(point.lobe()),
         }
@@ -210,8 +220,8 @@ impl Vertex {
                 Some(VertexSample { dir, weight: s.weight * correction, pdf: s.pdf, delta: s.delta })
             }
             Scatter::Medium(x) => {
-                let dir = x.sample(u);
-                Some(VertexSample { dir, weight: x.scattering, pdf: x.phase(dir), delta: false })
+                let dir = x.phase.sample(x.wi, u);
+                Some(VertexSample { dir, weight: x.scattering, pdf: x.phase.eval(x.wi, dir), delta: false })
             }
             Scatter::Emitter(_) => None,
         }
@@ -220,7 +230,7 @@ impl Vertex {
     pub fn pdf_sa(&self, w: Vec3) -> f32 {
         match &self.scatter {
             Scatter::Surface(x) if x.sides_agree(w) => x.bsdf.pdf_sa(x.frame.to_local(x.wi), x.frame.to_local(w)),
-            Scatter::Medium(x) => x.phase(w),
+            Scatter::Medium(x) => x.phase.eval(x.wi, w),
             _ => 0.0,
         }
     }
@@ -253,20 +263,21 @@ impl Vertex {
             _ => None,
         }
     }
-    /// This vertex as the end of an edge.
+    /// This vertex as the end of an edge. An emitter does not know what is around it: an edge starts at the other end.
     pub fn end(&self) -> End {
-        let (surface, medium) = match &self.scatter {
-            Scatter::Surface(x) => (Some((x.ng, x.error)), None),
-            Scatter::Emitter(EmitterPoint::Lambert { n, error }) => (Some((*n, *error)), None),
-            Scatter::Medium(x) => (None, Some(x.medium)),
-            Scatter::Emitter(_) => (None, None),
+        let (surface, sides) = match &self.scatter {
+            Scatter::Surface(x) => (Some((x.ng, x.error)), x.sides),
+            Scatter::Emitter(EmitterPoint::Lambert { n, error }) => (Some((*n, *error)), Sides::VACUUM),
+            Scatter::Medium(x) => (None, Sides::both(x.medium)),
+            Scatter::Emitter(_) => (None, Sides::VACUUM),
         };
-        End { p: self.p, surface, medium }
+        End { p: self.p, surface, sides }
     }
-    /// A ray that leaves the vertex, from beyond its own surface.
+    /// A ray that leaves the vertex, from beyond its own surface, into the medium that is there.
     pub fn leave(&self, dir: Vec3) -> Ray {
         let end = self.end();
-        Ray::new(end.surface.map_or(end.p, |(n, error)| offset_from(end.p, n, error, dir)), dir)
+        let origin = end.surface.map_or(end.p, |(n, error)| offset_from(end.p, n, error, dir));
+        Ray::new(origin, dir).within(end.towards(dir))
     }
     /// Largest channel of the material over every direction towards a box: never below the truth. [1/sr] or [1/(m sr)]
     pub fn bound(&self, towards: &Aabb) -> Lobe {
@@ -285,7 +296,7 @@ impl Vertex {
                 }
             }
             Scatter::Medium(x) => {
-                let f = x.scattering.largest() * x.largest();
+                let f = x.scattering.largest() * x.phase.largest();
                 Lobe { with_cosine: f, without_cosine: f }
             }
             Scatter::Emitter(point) => Lobe { with_cosine: point.lobe(), without_cosine: point.lobe() },
@@ -307,14 +318,12 @@ fn cone_towards(p: Vec3, b: &Aabb) -> (Vec3, f32) {
 /// A straight run through a medium: a camera segment, or a virtual ray light.
 #[derive(Clone, Copy, Debug)]
 pub struct Span {
-    /// With a finite `t_max`. \[m\]
+    /// With a finite `t_max`, in the medium that it runs through. \[m\]
     pub ray: Ray,
-    /// Index of the medium that it runs through.
-    pub medium: u32,
     /// Largest scattering coefficient along it. [1/m]
     pub scattering_max: Spectrum,
-    /// Mean cosine of the phase function.
-    pub g: f32,
+    /// How the medium scatters.
+    pub phase: HenyeyGreenstein,
 }
 
 impl Span {
@@ -324,13 +333,13 @@ impl Span {
     }
     /// The vertex at distance `t`, where the medium scatters `scattering` [1/m]; it carries that coefficient.
     pub fn at(&self, t: f32, scattering: Spectrum) -> Vertex {
-        let point = MediumPoint { wi: -self.ray.dir, scattering, g: self.g, medium: self.medium };
-        Vertex { p: self.ray.at(t), scatter: Scatter::Medium(point) }
+        let Span { ray, phase, .. } = *self;
+        let point = MediumPoint { wi: -ray.dir, scattering, phase, medium: ray.medium };
+        Vertex { p: ray.at(t), scatter: Scatter::Medium(point) }
     }
     /// Largest channel of scattering coefficient x phase function, integrated over its length. [1/sr]
     pub fn bound(&self) -> Lobe {
-        let point = MediumPoint { wi: -self.ray.dir, scattering: self.scattering_max, g: self.g, medium: self.medium };
-        let f = point.scattering.largest() * point.largest() * self.ray.t_max;
+        let f = self.scattering_max.largest() * self.phase.largest() * self.ray.t_max;
         Lobe { with_cosine: f, without_cosine: f }
     }
 }
@@ -385,7 +394,8 @@ mod tests {
     fn the_phase_function_is_normalised_sampled_exactly_and_stable_for_any_g() {
         let wi = Vec3::new(0.0, 0.6, 0.8);
         for g in [-0.95f32, -0.5, -1e-4, 0.0, 1e-7, 1e-4, 0.3, 0.9, 0.95] {
-            let point = MediumPoint { wi, scattering: Spectrum::ONE, g, medium: 0 };
+            let phase = HenyeyGreenstein::new(g).unwrap();
+            let point = MediumPoint { wi, scattering: Spectrum::ONE, phase, medium: MediumId::new(0) };
             let v = Vertex { p: Vec3::ZERO, scatter: Scatter::Medium(point) };
             let mut s = Stream::new(9, [0; 3], Purpose::TEST);
             let n = 200_000;

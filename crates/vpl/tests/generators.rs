@@ -219,7 +219,8 @@ fn lights_on_the_emitters_bring_the_direct_light() {
             let batch = lights(&Emitters { paths: 32 }, &scene, pass).0;
             assert!(batch.covers_direct && batch.lights.len() == 32 && batch.lights.iter().all(|l| l.edges == 0));
             let all = batch.lights.iter().filter_map(|l| connect_vertices(&x, &l.vertex, l.flux));
-            let sum = all.fold(Spectrum::BLACK, |s, c| s + c.value * scene.transmittance(&c.edge));
+            let mut s = Stream::new(0, [pass, 0, 0], Purpose::TEST);
+            let sum = all.fold(Spectrum::BLACK, |sum, c| sum + c.value * scene.transmittance(&c.edge, &mut s));
             sum.to_array().map(f64::from).to_vec()
         };
         let verdict = BlockTest::default()

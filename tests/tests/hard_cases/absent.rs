@@ -167,7 +167,7 @@ fn no_light_gets_through_a_wall_without_thickness_that_scatters_on_both_sides() 
         };
         let (x, y) = (on(-1.0), on(1.0));
         if let Some(c) = connect_vertices(&x, &y, Spectrum::ONE) {
-            assert!(scene.transmittance(&c.edge).is_black(), "{c:?}");
+            assert!(scene.transmittance(&c.edge, &mut s).is_black(), "{c:?}");
         }
     }
 }

@@ -9,16 +9,15 @@ use manylight_bsdf::{Distribution, RoughTransmittance};
 use manylight_math::Spectrum;
 use manylight_scene::{Material, MaterialId, Model};
 
-const BSDFS: [&str; 7] =
-    ["diffuse", "conductor", "roughconductor", "dielectric", "plastic", "roughplastic", "twosided"];
-const MITSUBA: [&str; 18] = [
+const BSDFS: [&str; 8] =
+    ["diffuse", "conductor", "roughconductor", "dielectric", "plastic", "roughplastic", "twosided", "null"];
+const MITSUBA: [&str; 17] = [
     "thindielectric",
     "roughdielectric",
     "mask",
     "bumpmap",
     "normalmap",
     "blendbsdf",
-    "null",
     "principled",
     "principledthin",
     "measured",
@@ -41,6 +40,16 @@ impl<'a> Builder<'a> {
         let made = self.make_material(id).map(|m| self.scene.material(m));
         self.materials.insert(id, made);
         made
+    }
+
+    /// Is it the BSDF of a surface that does nothing, but may part media?
+    pub(super) fn is_null(&self, id: ObjectId) -> bool {
+        let q = self.query(id);
+        let null = q.object.plugin == "null";
+        if null {
+            q.finish();
+        }
+        null
     }
 
     /// What a shape without a BSDF is made of: grey, or black if it is a light.
@@ -70,9 +79,8 @@ impl<'a> Builder<'a> {
         let mut models = Vec::new();
         for (side, p) in sides.iter().take(2) {
             match self.document.object(*side).plugin.as_str() {
-                transmits @ ("dielectric" | "twosided") => {
-                    let why =
-                        if transmits == "dielectric" { "it lets light through" } else { "it has two sides itself" };
+                transmits @ ("dielectric" | "twosided" | "null") => {
+                    let why = if transmits == "twosided" { "it has two sides itself" } else { "it lets light through" };
                     self.report.error(p.at, format!("`twosided` cannot hold `{transmits}`: {why}"));
                 }
                 _ => models.extend(self.model(*side)),

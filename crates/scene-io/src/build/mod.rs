@@ -2,6 +2,7 @@
 
 mod bsdf;
 mod emitter;
+mod medium;
 mod sensor;
 mod shape;
 mod texture;
@@ -11,6 +12,7 @@ use crate::diagnostic::{At, Report};
 use crate::document::{Class, Document, ObjectId, refuse_plugin};
 use crate::query::Query;
 use crate::{LoadOptions, Loaded};
+use manylight_math::MediumId;
 use manylight_scene::{MaterialId, Scene, SceneBuilder, Source, TextureId};
 use std::collections::HashMap;
 
@@ -41,6 +43,7 @@ pub(crate) struct Builder<'a> {
     scene: SceneBuilder,
     materials: HashMap<ObjectId, Option<MaterialId>>,
     textures: HashMap<ObjectId, Option<TextureId>>,
+    media: HashMap<ObjectId, Option<MediumId>>,
     /// For shapes without a BSDF: without and with an emitter.
     default_materials: [Option<MaterialId>; 2],
 }
@@ -55,21 +58,24 @@ pub(crate) fn build(document: &Document, report: &Report, assets: &Assets, optio
         scene: Scene::builder(),
         materials: HashMap::new(),
         textures: HashMap::new(),
+        media: HashMap::new(),
         default_materials: [None; 2],
     };
     let scene = b.query(document.scene());
     b.integrator(&scene);
-    b.sensors(&scene);
     // Also those that no shape refers to: their mistakes count.
     for (id, _) in scene.children(Class::Texture) {
         b.texture(id, texture::Range::Any);
     }
     for (id, _) in scene.children(Class::Bsdf) {
-        b.material(id);
+        if !b.is_null(id) {
+            b.material(id);
+        }
     }
-    for (_, p) in scene.children(Class::Medium) {
-        report.error(p.at, "media are not supported yet");
+    for (id, _) in scene.children(Class::Medium) {
+        b.medium(id);
     }
+    b.sensors(&scene);
     b.shapes(&scene);
     b.emitters(&scene);
     scene.finish();

@@ -3,7 +3,7 @@
 use super::Builder;
 use crate::document::{Class, ObjectId, refuse_plugin};
 use crate::query::Query;
-use manylight_math::{DAffine3, DVec3};
+use manylight_math::{DAffine3, DVec3, MediumId};
 use manylight_scene::{Camera, Filter};
 
 const SENSORS: [&str; 1] = ["perspective"];
@@ -57,11 +57,13 @@ impl<'a> Builder<'a> {
         if !is_rigid(&to_world) {
             self.report.error(at, "the `to_world` of a camera cannot scale or shear");
         }
+        let medium = q.child(Class::Medium).map_or(Some(MediumId::VACUUM), |id| self.medium(id));
         let (name, type_at) = (q.name(), q.object.plugin_at);
         q.finish();
         let Some(fov) = fov else { return };
         match Camera::perspective_shifted(to_world, fov, size, offset) {
-            Ok(camera) => self.scene.camera(camera),
+            // A medium that is wrong is in the report.
+            Ok(camera) => self.scene.camera(camera.within(medium.unwrap_or(MediumId::VACUUM))),
             Err(e) => self.report.error(type_at, format!("{name}: {e}")),
         }
     }

@@ -8,7 +8,7 @@ use crate::mesh::{self, Placement, RawMesh};
 use crate::query::Query;
 use manylight_geometry::{Disk, ShapeGeometry, Sphere, TriangleMesh};
 use manylight_math::{DAffine3, DVec3, Frame};
-use manylight_scene::{MaterialId, Shape, Source};
+use manylight_scene::{Boundary, MaterialId, Shape, Sides, Source};
 use rayon::prelude::*;
 
 const SHAPES: [&str; 6] = ["obj", "ply", "rectangle", "cube", "sphere", "disk"];
@@ -30,8 +30,10 @@ const MITSUBA: [&str; 11] = [
 struct Plan<'a> {
     name: String,
     geometry: Planned<'a>,
-    material: MaterialId,
+    /// `None`: it does nothing but part media.
+    material: Option<MaterialId>,
     radiance: Option<Source>,
+    sides: Option<Sides>,
 }
 
 enum Planned<'a> {
@@ -54,7 +56,7 @@ impl<'a> Builder<'a> {
     }
 
     fn place(&mut self, plan: Plan<'a>, placed: Result<(Option<ShapeGeometry>, usize), String>) {
-        let Plan { name, geometry: planned, material, radiance } = plan;
+        let Plan { name, geometry: planned, material, radiance, sides } = plan;
         let at = match planned {
             Planned::Mesh(raw, _, at) => {
                 raw.remarks.iter().for_each(|r| self.report.warn(at, format!("`{name}`: {r}")));
@@ -67,7 +69,17 @@ impl<'a> Builder<'a> {
                 if dropped > 0 {
                     self.report.warn(at, format!("`{name}`: {dropped} triangles without area are left out"));
                 }
-                self.scene.shape(Shape { name, geometry, material, radiance });
+                match (material, sides) {
+                    (Some(material), sides) => {
+                        let shape = self.scene.shape(Shape { name, geometry, material, radiance });
+                        if let Some(sides) = sides {
+                            self.scene.parts(shape, sides);
+                        }
+                    }
+                    (None, Some(sides)) => self.scene.boundary(Boundary { name, geometry, sides }),
+                    // Nobody could tell that it is there.
+                    (None, None) => {}
+                }
             }
             // Real scenes have such meshes (flat labels and the like).
             Ok((None, all)) => {
@@ -86,12 +98,16 @@ impl<'a> Builder<'a> {
         let radiance = self.radiance(&q);
         let emits = !q.children(Class::Emitter).is_empty();
         let material = match q.child(Class::Bsdf) {
-            Some(id) => self.material(id),
-            None => Some(self.default_material(emits)),
+            Some(id) if self.is_null(id) => {
+                if emits {
+                    q.error("a shape whose BSDF is `null` cannot shine here: give it a BSDF, or take the emitter out");
+                }
+                Some(None)
+            }
+            Some(id) => self.material(id).map(Some),
+            None => Some(Some(self.default_material(emits))),
         };
-        for (_, p) in q.children(Class::Medium) {
-            self.report.error(p.at, "media are not supported yet");
-        }
+        let sides = self.sides(&q);
         let geometry = self.geometry(&q);
         let file = match q.object.value("filename") {
             Some(crate::document::Value::Text(file)) => Some(file.clone()),
@@ -99,7 +115,7 @@ impl<'a> Builder<'a> {
         };
         let name = q.object.id.clone().or(file).unwrap_or_else(|| q.object.plugin.clone());
         q.finish();
-        Some(Plan { name, geometry: geometry?, material: material?, radiance })
+        Some(Plan { name, geometry: geometry?, material: material?, radiance, sides })
     }
 
     fn geometry(&mut self, q: &Query<'a>) -> Option<Planned<'a>> {
