@@ -14,7 +14,7 @@ const FLOORS: &[(u32, &[&str])] = &[
     (3, &["bsdf", "media"]),
     (4, &["scene"]),
     (5, &["framework", "scene-io"]),
-    (6, &["vpl", "compensation", "light-list", "many-lights", "reference", "render"]),
+    (6, &["vpl", "compensation", "light-list", "light-tree", "many-lights", "reference", "render"]),
     (RECIPES, &["recipes", "report"]),
     (9, &["cli"]),
     (10, &["manylight"]),
@@ -31,7 +31,12 @@ const NEVER: &[(&str, &[&str], &str)] = &[
         &["scene", "geometry", "bsdf"],
         "a light set asks questions: it sees no scene, no shape and no material",
     ),
-    ("vpl", &["light-list"], "a kernel does not know who asks it"),
+    (
+        "light-tree",
+        &["scene", "geometry", "bsdf"],
+        "a light set asks questions: it sees no scene, no shape and no material",
+    ),
+    ("vpl", &["light-list", "light-tree"], "a kernel does not know who asks it"),
     ("stats", &["math", "sampling", "scene", "framework"], "the judge knows no renderer"),
 ];
 
@@ -39,7 +44,7 @@ const NEVER: &[(&str, &[&str], &str)] = &[
 const APART: [&str; 3] = ["reference", "vpl", "many-lights"];
 
 /// Parts that only `recipes` and what is above it may name.
-const PARTS: &[&str] = &["compensation", "light-list", "many-lights", "reference", "render"];
+const PARTS: &[&str] = &["compensation", "light-list", "light-tree", "many-lights", "reference", "render"];
 
 /// What only some crates may do to the world: what, as it looks in a source, who may.
 const WORLDLY: &[(&str, &[&str], &[&str])] = &[

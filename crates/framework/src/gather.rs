@@ -100,6 +100,9 @@ impl<R, K, B: ?Sized> Limited for Gather<'_, R, K, B> {
     fn edges_left(&self) -> u32 {
         self.edges_left
     }
+    fn edges_least(&self) -> u32 {
+        self.edges_least
+    }
 }
 impl<R, K, B: ?Sized> Notes for Gather<'_, R, K, B> {
     fn note(&mut self, aov: &'static str, value: f32) {

@@ -53,14 +53,14 @@ pub trait Reaches<R, C>: Sync {
     fn reach(&self, receiver: &R, cluster: &C) -> Reach;
 }
 
-/// Facts about a cluster seen from a receiver. Only `facing_max == 0` is a promise: nothing in the cluster can contribute.
+/// Facts about a cluster seen from a receiver. Only a `facing` of zero is a promise: nothing in the cluster can contribute.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
-    /// Of the cluster. \[W\]
+    /// What the cluster emits along its lights' axes [W/sr]; for light from infinity, irradiance [W/m^2]: then all distances are one.
     pub intensity: f32,
-    /// Largest eval of the receiver towards the box. [1/sr]
+    /// Largest eval of the receiver towards the box, times the largest cosine of the lights towards the receiver. [1/sr]
     pub facing_max: f32,
-    /// Eval of the receiver towards the box's centre, or a guess of it. [1/sr]
+    /// The same towards the box's centre, or a guess of it. It may be zero where `facing_max` is not. [1/sr]
     pub facing_guess: f32,
     /// Smallest squared distance to the box. [m^2]
     pub near2: f32,

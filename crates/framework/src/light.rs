@@ -18,12 +18,26 @@ pub trait VirtualLight: Copy + Send + Sync + 'static {
 pub trait Clustered: VirtualLight {
     /// What is known of several lights together.
     type Cluster: Copy + Send + Sync;
-    /// Where it is, for building. \[m\]
+    /// Where it is, for building; the direction that it comes from, if it is infinitely far away. \[m\]
     fn position(&self) -> Vec3;
+    /// Unit, the axis about which it shines; zero if it shines alike to all sides. For building.
+    fn axis(&self) -> Vec3 {
+        Vec3::ZERO
+    }
+    /// Lights of different kinds share no cluster below the top of a tree, lest a few of one loosen the bounds of the other.
+    fn kind(&self) -> u32 {
+        0
+    }
     /// The cluster of this light alone.
     fn cluster(&self) -> Self::Cluster;
     /// The cluster of two clusters.
     fn merge(a: &Self::Cluster, b: &Self::Cluster) -> Self::Cluster;
+    /// What its lights together are weighed by: the sum over them, zero only if they can give nothing. A light that stands for
+    /// its cluster is drawn by this, and is multiplied by the ratio: a kernel's upper bound has to hold for that too. [W/sr]
+    fn weight(cluster: &Self::Cluster) -> f32;
+    /// What it costs to take one of its lights for all: weight x (diagonal^2 + scale^2 (1 - cos half angle)^2) (Walter et al. 2005,
+    /// section 3.1). `scale` \[m\] makes directions commensurable with places.
+    fn cost(cluster: &Self::Cluster, scale: f32) -> f32;
 }
 
 /// Lights that a grid can average into a made-up one (lighting grid hierarchy).

@@ -63,6 +63,10 @@ pub trait Located {
 pub trait Limited {
     /// A light of `e` edges can be connected if `e < edges_left`.
     fn edges_left(&self) -> u32;
+    /// Lights of fewer edges than this are left out.
+    fn edges_least(&self) -> u32 {
+        0
+    }
 }
 
 /// Not a question: a remark for the probe (cut size, certificate). A set that makes some bounds its `Q` by `Notes` too;

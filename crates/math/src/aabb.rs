@@ -1,6 +1,6 @@
 //! Axis-aligned boxes.
 
-use crate::Vec3;
+use crate::{Frame, Vec3};
 
 /// An axis-aligned box; empty if `lo > hi` on any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +48,29 @@ impl Aabb {
         let pick = |bit: usize, lo: f32, hi: f32| if i >> bit & 1 == 0 { lo } else { hi };
         Vec3::new(pick(0, self.lo.x, self.hi.x), pick(1, self.lo.y, self.hi.y), pick(2, self.lo.z, self.hi.z))
     }
+    /// The box of all differences `x - y` of a point x of this box and a point y of the other. \[m\]
+    pub fn minus(&self, o: &Aabb) -> Aabb {
+        Aabb { lo: self.lo - o.hi, hi: self.hi - o.lo }
+    }
+    /// Largest cosine between the frame's normal and the vectors of a box, seen as vectors from the origin: never below the truth
+    /// by more than rounding, exact for a box in the frame's own axes (Walter et al. 2005, section 4.1). 1 if it holds the origin.
+    ///
+    /// With z along the normal, cos = z / |(x, y, z)| is largest at the largest z, and at the least |x| and |y| if that z is
+    /// positive, at the largest if it is not.
+    pub fn largest_cosine(&self, frame: &Frame) -> f32 {
+        let reach = |a: Vec3| {
+            let (p, q) = (a * self.lo, a * self.hi);
+            (p.min(q).element_sum(), p.max(q).element_sum())
+        };
+        let (_, z) = reach(frame.n);
+        let aside = |(lo, hi): (f32, f32)| {
+            if z > 0.0 { lo.max(-hi).max(0.0) } else { hi.max(-lo) }
+        };
+        let (x, y) = (aside(reach(frame.s)), aside(reach(frame.t)));
+        let cos = z / (x * x + y * y + z * z).sqrt();
+        // 0 / 0: the origin itself.
+        if cos.is_nan() || self.contains(Vec3::ZERO) { 1.0 } else { cos.min(1.0) }
+    }
     /// Smallest and largest squared distance between points of two boxes. [m^2]
     pub fn distances2(&self, o: &Aabb) -> (f32, f32) {
         let near = (self.lo - o.hi).max(o.lo - self.hi).max(Vec3::ZERO);
@@ -72,6 +95,33 @@ mod tests {
             let d2 = (a.lerp(b, u) - c.lerp(d, v)).length_squared();
             prop_assert!(near <= d2 * (1.0 + 1e-5) + 1e-5 && d2 <= far * (1.0 + 1e-5) + 1e-5, "{} {} {}", near, d2, far);
         }
+    }
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+        #[test]
+        fn no_direction_to_a_box_has_a_larger_cosine_than_is_said(n in vec3(), a in vec3(), b in vec3(), scale in -3f32..0.0, u in 0f32..1.0, v in 0f32..1.0, w in 0f32..1.0) {
+            let Some(n) = n.try_normalize() else { return Ok(()) };
+            let x = Aabb::around([a, a + b * 10f32.powf(scale)]);
+            let inside = x.lo + (x.hi - x.lo) * Vec3::new(u, v, w);
+            let bound = x.largest_cosine(&Frame::around(n));
+            prop_assert!(n.dot(inside.normalize_or(n)) <= bound + 2e-6, "{} {bound}", n.dot(inside.normalize()));
+        }
+        #[test]
+        fn the_largest_cosine_of_one_point_is_its_cosine(n in vec3(), p in vec3()) {
+            let (Some(n), Some(w)) = (n.try_normalize(), p.try_normalize()) else { return Ok(()) };
+            prop_assert!((Aabb::point(p).largest_cosine(&Frame::around(n)) - n.dot(w)).abs() < 1e-6);
+        }
+    }
+    #[test]
+    fn the_worked_box_has_the_cosine_and_the_distances_of_the_formula() {
+        let (b, up) = (Aabb { lo: Vec3::new(2.0, 0.0, 1.0), hi: Vec3::new(4.0, 1.0, 3.0) }, Frame::around(Vec3::Z));
+        assert!((b.largest_cosine(&up) - 3.0 / 13f32.sqrt()).abs() < 1e-7);
+        assert_eq!(Aabb::point(Vec3::ZERO).distances2(&b), (5.0, 26.0));
+        // From above it lies below: the cosine is the least negative one.
+        let below = b.largest_cosine(&Frame::around(Vec3::NEG_Z));
+        assert!((below + 1.0 / (16f32 + 1.0 + 1.0).sqrt()).abs() < 1e-7, "{below}");
+        let inside = Aabb { lo: -Vec3::ONE, hi: Vec3::ONE };
+        assert_eq!(inside.largest_cosine(&up), 1.0);
     }
     #[test]
     fn the_empty_box_holds_nothing_and_joins_neutrally() {

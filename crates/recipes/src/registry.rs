@@ -43,6 +43,30 @@ static METHODS: &[MethodInfo] = &[
         compose: parts::many_lights,
     },
     MethodInfo {
+        name: "lightcuts",
+        summary: "virtual point lights in clusters, refined at each point until no cluster can be off by more than 2 % of all light",
+        paper: "Walter et al. 2005, Lightcuts: a scalable approach to illumination",
+        own: MANY_LIGHTS,
+        presets: &[("lights", "lightcuts"), ("direct", "virtual"), ("paths", "4096")],
+        compose: parts::many_lights,
+    },
+    MethodInfo {
+        name: "stochastic-lightcuts",
+        summary: "virtual point lights in clusters, one light of each of a few clusters drawn to suit the point",
+        paper: "Yuksel 2019, Stochastic lightcuts",
+        own: MANY_LIGHTS,
+        presets: &[("lights", "stochastic-lightcuts"), ("direct", "virtual"), ("paths", "4096")],
+        compose: parts::many_lights,
+    },
+    MethodInfo {
+        name: "light-bvh",
+        summary: "virtual point lights drawn by intensity, distance and orientation at each point",
+        paper: "Conty Estevez and Kulla 2018, Importance sampling of many lights with adaptive tree splitting",
+        own: MANY_LIGHTS,
+        presets: &[("lights", "light-bvh"), ("samples", "10"), ("direct", "virtual"), ("paths", "4096")],
+        compose: parts::many_lights,
+    },
+    MethodInfo {
         name: "many-lights",
         summary: "any composition of generator, light set, kernel, bound and compensation",
         paper: "Dachsbacher et al. 2014, Scalable realistic rendering with many-light methods",
@@ -158,7 +182,7 @@ mod tests {
         assert!(error("zzz", "1").contains("`manylight list instant-radiosity` shows all"));
         assert_eq!(
             error("samples", "3"),
-            "`samples` is read only with lights=power, and lights is `all`: leave it out, or say so"
+            "`samples` is read only with lights=power|light-bvh, and lights is `all`: leave it out, or say so"
         );
         assert!(
             error("generator", "keller+keller").contains("expected `keller` or `emitters`, or several joined by `+`")

@@ -172,6 +172,33 @@ impl SurfacePoint {
             Mode::Importance => self.ng.dot(w).abs(),
         }
     }
+    /// See `Vertex::bound`.
+    fn bound(&self, p: Vec3, towards: &Aabb) -> Lobe {
+        // All lobes but delta lobes reflect: nothing scatters to below the surface, beyond the rounding of the cosine.
+        let cos = towards.minus(&Aabb::point(p)).largest_cosine(&self.frame) + COSINE_SLACK;
+        if !(cos > 0.0 && self.frame.n.dot(self.wi) > 0.0) {
+            return Lobe::NONE;
+        }
+        let local = |w: Vec3| self.frame.to_local(w);
+        let lobe = match self.bsdf {
+            // The same to all sides: no cone need be made.
+            Bsdf::Diffuse(_) => {
+                let f = self.bsdf.eval(Vec3::Z, Vec3::Z).largest();
+                Lobe { with_cosine: f, without_cosine: f }
+            }
+            _ => {
+                let (axis, cos_half) = cone_towards(p, towards);
+                self.bsdf.upper_bound(local(self.wi), local(axis), cos_half)
+            }
+        };
+        let f = lobe.without_cosine * self.arrival();
+        match self.mode {
+            // A box is narrower than the cone around it.
+            Mode::Radiance => Lobe { with_cosine: lobe.with_cosine.min(f * cos), without_cosine: f },
+            // The departure's cosine is the geometric one, of which the BSDF's bound knows nothing.
+            Mode::Importance => Lobe { with_cosine: f, without_cosine: f },
+        }
+    }
     /// Do both normals agree on which side of the surface `w` leaves to? Else light would leak through.
     fn sides_agree(&self, w: Vec3) -> bool {
         let reflected = |n: Vec3| n.dot(w) * n.dot(self.wi) > 0.0;
@@ -282,19 +309,7 @@ impl Vertex {
     /// Largest channel of the material over every direction towards a box: never below the truth. [1/sr] or [1/(m sr)]
     pub fn bound(&self, towards: &Aabb) -> Lobe {
         match &self.scatter {
-            Scatter::Surface(x) => {
-                let (axis, cos_half) = cone_towards(self.p, towards);
-                let local = |w: Vec3| x.frame.to_local(w);
-                let lobe = x.bsdf.upper_bound(local(x.wi), local(axis), cos_half);
-                let a = x.arrival();
-                match x.mode {
-                    Mode::Radiance => lobe,
-                    // The departure's cosine is the geometric one, of which the BSDF's bound knows nothing.
-                    Mode::Importance => {
-                        Lobe { with_cosine: lobe.without_cosine * a, without_cosine: lobe.without_cosine * a }
-                    }
-                }
-            }
+            Scatter::Surface(x) => x.bound(self.p, towards),
             Scatter::Medium(x) => {
                 let f = x.scattering.largest() * x.phase.largest();
                 Lobe { with_cosine: f, without_cosine: f }
@@ -303,6 +318,9 @@ impl Vertex {
         }
     }
 }
+
+/// Rounding of cosines of directions to boxes.
+const COSINE_SLACK: f32 = 4e-6;
 
 /// A cone (unit axis, cosine of its half angle, rounded down) of all directions from `p` to points of a box.
 fn cone_towards(p: Vec3, b: &Aabb) -> (Vec3, f32) {

@@ -25,6 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod cluster;
 mod emitters;
 mod keller;
 mod kernel;
@@ -32,6 +33,7 @@ mod sum;
 mod vpl;
 mod walk;
 
+pub use cluster::Cluster;
 pub use emitters::Emitters;
 pub use keller::{Emission, Keller};
 pub use kernel::{Points, connect_vertices};

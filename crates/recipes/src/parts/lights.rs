@@ -1,19 +1,60 @@
 //! The light set: which lights each receiver asks.
 
 use crate::RecipeError;
-use crate::params::{Kind, Param};
+use crate::params::{Kind, Param, WHOLE};
 use crate::parts::{bound, compensation};
 use crate::values::Values;
 use manylight_compensation::BoundPlan;
-use manylight_framework::{Generator, Kernel, Method, Plan, VirtualLight};
+use manylight_framework::{Bounds, Clustered, Generator, Kernel, Method, Plan, Reaches};
 use manylight_light_list::{All, Power};
+use manylight_light_tree::{Build, CutBy, Growth, LightBvh, Lightcuts, Standing, StochasticLightcuts};
 use manylight_many_lights::ManyLights;
 use manylight_scene::{Scene, Vertex};
 
+const ON_TREES: &[&str] = &["lightcuts", "stochastic-lightcuts", "light-bvh"];
+
 pub(crate) const PARAMS: &[Param] = &[
-    Param::new("lights", Kind::Choice(&["all", "power"]), "all", "the light set: which lights each point asks"),
+    Param::new(
+        "lights",
+        Kind::Choice(&["all", "power", "lightcuts", "stochastic-lightcuts", "light-bvh"]),
+        "all",
+        "the light set: which lights each point asks",
+    ),
     Param::new("samples", Kind::Integer { min: 1, max: 1 << 20 }, "64", "lights that each point asks")
-        .part_of("lights", &["power"]),
+        .part_of("lights", &["power", "light-bvh"]),
+    Param::new(
+        "error",
+        Kind::NumberOr(&["none"]),
+        "0.02",
+        "largest error of a cluster, relative to all light; `none`: refine down to every light",
+    )
+    .part_of("lights", &["lightcuts"]),
+    Param::new("max-cut", Kind::Integer { min: 1, max: WHOLE }, "1000", "clusters of a cut at most, and so shadow rays")
+        .part_of("lights", &["lightcuts"]),
+    Param::new(
+        "representatives",
+        Kind::Choice(&["pass", "receiver", "brightest"]),
+        "pass",
+        "the light that stands for a cluster: drawn for the whole pass, drawn by each receiver (noise instead of shared errors), \
+         or always the brightest",
+    )
+    .part_of("lights", &["lightcuts"]),
+    Param::new("cut", Kind::Integer { min: 1, max: 4096 }, "10", "clusters of a cut at most, and so shadow rays")
+        .part_of("lights", &["stochastic-lightcuts"]),
+    Param::new(
+        "cut-error",
+        Kind::NumberOr(&["none"]),
+        "none",
+        "coarser cuts where no cluster's estimated error exceeds this part of all light: a small bias; `none`: cuts of fixed size",
+    )
+    .part_of("lights", &["stochastic-lightcuts"]),
+    Param::new(
+        "tree",
+        Kind::Choice(&["fast", "greedy"]),
+        "fast",
+        "how the tree is built: by medians, or the cheapest pair first (time goes with the square of the number of lights)",
+    )
+    .part_of("lights", ON_TREES),
 ];
 
 /// Lights of any kind, with a kernel that connects to them, under the light set that was asked for.
@@ -24,13 +65,43 @@ pub(crate) fn under<L, K>(
     kernel: K,
 ) -> Result<Box<dyn Method>, RecipeError>
 where
-    L: VirtualLight + 'static,
-    K: Kernel<Vertex, L> + Send + 'static,
+    L: Clustered + 'static,
+    K: Kernel<Vertex, L> + Bounds<Vertex, L::Cluster> + Reaches<Vertex, L::Cluster> + Send + 'static,
 {
+    let growth = growth(v, scene)?;
+    let or_none = |name: &str, none: f32| if v.text(name) == "none" { Ok(none) } else { v.number(name) };
     match v.text("lights") {
         "power" => composed(v, scene, generator, Power { samples: v.integer("samples")? as u32 }, kernel),
+        "light-bvh" => {
+            let plan = LightBvh { samples: v.integer("samples")? as u32, growth };
+            composed(v, scene, generator, plan, kernel)
+        }
+        "lightcuts" => {
+            let standing = match v.text("representatives") {
+                "receiver" => Standing::Receiver,
+                "brightest" => Standing::Brightest,
+                _ => Standing::Pass,
+            };
+            let (error, most) = (or_none("error", 0.0)?, v.integer("max-cut")? as u32);
+            composed(v, scene, generator, Lightcuts { error, most, standing, growth }, kernel)
+        }
+        "stochastic-lightcuts" => {
+            let by = match v.text("cut-error") {
+                "none" => CutBy::Size,
+                _ => CutBy::Error(v.number("cut-error")?),
+            };
+            let plan = StochasticLightcuts { size: v.integer("cut")? as u32, by, growth };
+            composed(v, scene, generator, plan, kernel)
+        }
         _ => composed(v, scene, generator, All, kernel),
     }
+}
+
+/// Lights of different depths share no cluster where path lengths are limited.
+fn growth(v: &Values, scene: &Scene) -> Result<Growth, RecipeError> {
+    let (min_edges, max_edges) = v.depths(scene)?;
+    let build = if v.text("tree") == "greedy" { Build::Greedy } else { Build::Fast };
+    Ok(Growth { build, by_edges: max_edges != u32::MAX || min_edges > 1, ..Growth::default() })
 }
 
 fn composed<L, P, K>(
