@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Probe {
     /// Rays from the camera.
     pub camera_rays: u64,
-    /// Rays of paths: those of light paths, and those of eye paths after their first.
+    /// Rays of paths: those of light paths, those of eye paths after their first, and those of eye paths that only weigh lights.
     pub path_rays: u64,
     /// Rays that ask only whether an edge is clear: those to lights, those of direct light, and those of building a light set.
     pub shadow_rays: u64,

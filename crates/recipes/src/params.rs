@@ -14,6 +14,13 @@ pub enum Kind {
     Choice(&'static [&'static str]),
     /// One of some words, or several joined by `+`.
     Sum(&'static [&'static str]),
+    /// A number in a range.
+    Number {
+        /// Smallest.
+        min: f32,
+        /// Largest.
+        max: f32,
+    },
     /// One of some words, or a positive number.
     NumberOr(&'static [&'static str]),
     /// A whole number in a range, or one of some words.
@@ -34,6 +41,7 @@ impl Kind {
             Kind::Integer { min, max } => format!("a whole number from {min} to {max}"),
             Kind::Choice(words) => list(words),
             Kind::Sum(words) => format!("{}, or several joined by `+`", list(words)),
+            Kind::Number { min, max } => format!("a number from {min} to {max}"),
             Kind::NumberOr(words) => format!("a positive number, {}", list(words)),
             Kind::IntegerOr { min, max, words } => format!("a whole number from {min} to {max}, or {}", list(words)),
         }
@@ -49,6 +57,7 @@ impl Kind {
                 let once = |t: &&str| terms.iter().filter(|o| o == &t).count() == 1;
                 terms.iter().all(|t| words.contains(t) && once(t))
             }
+            Kind::Number { min, max } => value.parse().is_ok_and(|x: f32| (*min..=*max).contains(&x)),
             Kind::NumberOr(words) => {
                 words.contains(&value) || value.parse().is_ok_and(|x: f32| x > 0.0 && x.is_finite())
             }

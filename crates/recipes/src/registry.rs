@@ -67,6 +67,14 @@ static METHODS: &[MethodInfo] = &[
         compose: parts::many_lights,
     },
     MethodInfo {
+        name: "rejection",
+        summary: "virtual point lights, of which those are kept that bring the camera something",
+        paper: "Georgiev and Slusallek 2010, Simple and robust iterative importance sampling of virtual point lights",
+        own: MANY_LIGHTS,
+        presets: &[("generator", "rejection"), ("paths", "1024")],
+        compose: parts::many_lights,
+    },
+    MethodInfo {
         name: "many-lights",
         summary: "any composition of generator, light set, kernel, bound and compensation",
         paper: "Dachsbacher et al. 2014, Scalable realistic rendering with many-light methods",
@@ -185,7 +193,8 @@ mod tests {
             "`samples` is read only with lights=power|light-bvh, and lights is `all`: leave it out, or say so"
         );
         assert!(
-            error("generator", "keller+keller").contains("expected `keller` or `emitters`, or several joined by `+`")
+            error("generator", "keller+keller").contains("expected `keller` or ")
+                && error("generator", "keller+keller").contains("`, or several joined by `+`")
         );
         let twice = Values::new(ir, &[("paths".into(), "3".into()), ("paths".into(), "4".into())]);
         assert_eq!(twice.err(), Some(RecipeError::Twice("paths".into())));

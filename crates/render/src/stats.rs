@@ -54,6 +54,9 @@ pub struct Stats {
     pub light_paths: u64,
     /// Virtual lights.
     pub lights: u64,
+    /// Means of what parts of the method noted by name: acceptance rates, cut sizes.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub notes: BTreeMap<String, f64>,
     /// Lights asked for their contribution, for each camera sample.
     pub evaluations_per_sample: f64,
     /// The largest memory the process has held \[bytes\], where the system says.
@@ -144,6 +147,7 @@ impl Stats {
             rays: Rays { camera: probe.camera_rays, path: probe.path_rays, shadow: probe.shadow_rays },
             light_paths: probe.light_paths,
             lights: probe.lights,
+            notes: probe.names().filter_map(|n| Some((n.to_string(), probe.mean(n)?))).collect(),
             evaluations_per_sample: probe.evaluations as f64 / probe.camera_rays.max(1) as f64,
             memory: peak_memory(),
             non_finite: non_finite(rendering),

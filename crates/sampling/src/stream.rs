@@ -23,6 +23,8 @@ impl Purpose {
     pub const FRAME: Purpose = Purpose(3);
     /// Tests.
     pub const TEST: Purpose = Purpose(4);
+    /// What a light would bring to the camera, and whether it is kept.
+    pub const IMPORTANCE: Purpose = Purpose(5);
 }
 
 /// A stream of uniform numbers that is a pure function of (seed, place, purpose): whatever the threads, tiles and order of

@@ -40,6 +40,7 @@ impl Generator for Emitters {
                 out.push(Vpl { vertex: sample.vertex, flux, edges: 0 });
             }
         })?;
+        probe.lights += lights.len() as u64;
         Ok(Batch { lights, paths: self.paths, covers_direct: true })
     }
 }

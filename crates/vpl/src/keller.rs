@@ -55,18 +55,22 @@ impl Generator for Keller {
         seed: u64,
         probe: &mut Probe,
     ) -> Result<Batch<Vec<Vpl>>, GenerateError> {
-        // The connection and the eye's own edge come on top.
-        let max_edges = self.max_edges.map_or(u32::MAX, |m| m.saturating_sub(2));
-        let length = Length { max_edges, certain_edges: self.certain_edges };
         let lights = walk_all(self.paths, probe, |path, probe, out| {
-            walk(scene, seed, pass, path, length, probe, |step| out.extend(self.light(&step)));
+            walk(scene, seed, pass, path, self.length(), probe, |step| out.extend(self.light(&step)));
         })?;
+        probe.lights += lights.len() as u64;
         Ok(Batch { lights, paths: self.paths, covers_direct: false })
     }
 }
 
 impl Keller {
-    fn light(&self, step: &Step) -> Option<Vpl> {
+    /// How long its paths get: the connection and the eye's own edge come on top of a light's.
+    pub fn length(&self) -> Length {
+        let max_edges = self.max_edges.map_or(u32::MAX, |m| m.saturating_sub(2));
+        Length { max_edges, certain_edges: self.certain_edges }
+    }
+    /// The light at a vertex of one of its paths; `None` where it would light nothing.
+    pub fn light(&self, step: &Step) -> Option<Vpl> {
         let mut vertex = step.vertex;
         if let (Emission::Diffuse, Scatter::Surface(x)) = (self.emission, &mut vertex.scatter) {
             let wi = x.frame.to_local(x.wi);
@@ -78,19 +82,20 @@ impl Keller {
     }
 }
 
-/// Walks paths 0..n in parallel; lights and counts come out in the order of the paths, whatever the threads.
-pub(crate) fn walk_all(
+/// Walks paths 0..n in parallel; what they make (lights, or what is to become of them) and counts come out in the order of the
+/// paths, whatever the threads.
+pub fn walk_all<T: Send>(
     n: u64,
     probe: &mut Probe,
-    walk: impl Fn(u64, &mut Probe, &mut Vec<Vpl>) + Sync,
-) -> Result<Vec<Vpl>, GenerateError> {
+    walk: impl Fn(u64, &mut Probe, &mut Vec<T>) + Sync,
+) -> Result<Vec<T>, GenerateError> {
     let mut lights = Vec::new();
     let chunks = n.div_ceil(CHUNK);
     for first in (0..chunks).step_by(ROUND as usize) {
         if probe.cancelled() {
             return Err(GenerateError::Cancelled);
         }
-        let made: Vec<(Vec<Vpl>, Probe)> = (first..(first + ROUND).min(chunks))
+        let made: Vec<(Vec<T>, Probe)> = (first..(first + ROUND).min(chunks))
             .into_par_iter()
             .map(|chunk| {
                 let (mut lights, mut probe) = (Vec::new(), Probe::default());
@@ -108,6 +113,5 @@ pub(crate) fn walk_all(
             return Err(GenerateError::TooMany { lights: lights.len(), limit: MOST_LIGHTS });
         }
     }
-    probe.lights += lights.len() as u64;
     Ok(lights)
 }

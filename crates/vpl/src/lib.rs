@@ -27,16 +27,20 @@
 
 mod cluster;
 mod emitters;
+mod importance;
 mod keller;
 mod kernel;
+mod rejection;
 mod sum;
 mod vpl;
 mod walk;
 
 pub use cluster::Cluster;
 pub use emitters::Emitters;
-pub use keller::{Emission, Keller};
+pub use importance::Importons;
+pub use keller::{Emission, Keller, walk_all};
 pub use kernel::{Points, connect_vertices};
+pub use rejection::Rejection;
 pub use sum::{NoLights, Sum};
 pub use vpl::Vpl;
-pub use walk::{Length, Step, walk};
+pub use walk::{Length, Step, walk, walk_along};

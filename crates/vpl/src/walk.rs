@@ -42,11 +42,15 @@ pub fn walk(
     path: u64,
     length: Length,
     probe: &mut Probe,
-    mut visit: impl FnMut(Step),
+    visit: impl FnMut(Step),
 ) {
-    let mut s = Stream::new(seed, [pass, path, 0], Purpose::LIGHT_PATHS);
+    walk_along(scene, &mut Stream::new(seed, [pass, path, 0], Purpose::LIGHT_PATHS), length, probe, visit);
+}
+
+/// The walk as a function of its random numbers alone.
+pub fn walk_along(scene: &Scene, s: &mut Stream, length: Length, probe: &mut Probe, mut visit: impl FnMut(Step)) {
     probe.light_paths += 1;
-    let Some(emission) = scene.sample_emission(&mut s) else { return };
+    let Some(emission) = scene.sample_emission(s) else { return };
     let (mut ray, mut flux) = (emission.ray, emission.flux);
     let start = flux.luminance();
     for edges in 1..=length.max_edges {

@@ -9,7 +9,7 @@ use manylight_math::{DAffine3, DVec3, Ray, Spectrum, Vec3};
 use manylight_sampling::{Purpose, Stream, warp};
 use manylight_scene::{Camera, Emitter, Material, Mode, Model, Scatter, Scene, SceneBuilder, Shape, Source};
 use manylight_stats::{BlockTest, Reference, Runs};
-use manylight_vpl::{Emission, Emitters, Keller, Length, NoLights, Sum, Vpl, connect_vertices, walk};
+use manylight_vpl::{Emission, Emitters, Keller, Length, NoLights, Rejection, Sum, Vpl, connect_vertices, walk};
 
 fn diffuse(rho: Spectrum) -> Model {
     Model::Diffuse { reflectance: Source::Constant(rho) }
@@ -259,4 +259,26 @@ fn points_too_near_for_their_distance_squared_are_not_connected() {
         assert_eq!(c.is_some(), connects, "at {distance} m: {c:?}");
         assert!(c.is_none_or(|c| c.value.is_valid()));
     }
+}
+
+#[test]
+fn rejection_keeps_candidates_as_they_are_but_for_their_flux() {
+    let scene = room(diffuse(Spectrum::gray(0.5)));
+    let (all, _) = lights(&keller(400), &scene, 0);
+    let with = |floor| Rejection { walks: keller(400), points: 16, rays: 4, selectivity: 4.0, floor };
+    // A floor of one keeps everything: bit for bit what Keller's generator makes.
+    let (kept, _) = lights(&with(1.0), &scene, 0);
+    assert_eq!(format!("{:?}", kept.lights), format!("{:?}", all.lights));
+    let (kept, probe) = lights(&with(0.1), &scene, 0);
+    let rate = kept.lights.len() as f64 / all.lights.len() as f64;
+    assert!(rate < 0.7 && (probe.mean("acceptance").unwrap() - rate).abs() < 1e-6, "{rate}");
+    assert_eq!((kept.paths, probe.light_paths, probe.lights), (400, 400, kept.lights.len() as u64));
+    for light in &kept.lights {
+        // Divided by a probability between the floor and one.
+        let was = all.lights.iter().find(|l| l.vertex.p == light.vertex.p && l.edges == light.edges).unwrap();
+        let p = was.flux.luminance() / light.flux.luminance();
+        assert!((0.0999..=1.0001).contains(&p), "{p}");
+    }
+    // Without a floor it says that it is biased.
+    assert!(with(0.1).claim().is_unbiased() && !with(0.0).claim().is_unbiased());
 }

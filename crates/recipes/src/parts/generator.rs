@@ -5,14 +5,15 @@ use crate::values::Values;
 use crate::{RecipeError, parts::direct};
 use manylight_framework::Generator;
 use manylight_scene::Scene;
-use manylight_vpl::{Emission, Emitters, Keller, NoLights, Sum, Vpl};
+use manylight_vpl::{Emission, Emitters, Keller, NoLights, Rejection, Sum, Vpl};
 
 pub(crate) const PARAMS: &[Param] = &[
     Param::new(
         "generator",
-        Kind::Sum(&["keller", "emitters"]),
+        Kind::Sum(&["keller", "rejection", "emitters"]),
         "keller",
-        "where the virtual lights come from; `emitters`: points of the emitters, for direct light",
+        "where the virtual lights come from; `rejection`: those that bring the camera something; `emitters`: points of the \
+         emitters, for direct light",
     ),
     Param::new("paths", Kind::Integer { min: 1, max: 1 << 24 }, "64", "light paths a pass"),
     Param::new(
@@ -22,15 +23,43 @@ pub(crate) const PARAMS: &[Param] = &[
         "light path length from which Russian roulette may end a path",
     )
     .unit("edges")
-    .part_of("generator", &["keller"]),
+    .part_of("generator", INDIRECT),
     Param::new(
         "glossy-vpls",
         Kind::Choice(&["on", "off"]),
         "on",
         "lights emit by their BSDF; `off`: as diffuse surfaces of the same albedo (keeps the energy, not its directions)",
     )
-    .part_of("generator", &["keller"]),
+    .part_of("generator", INDIRECT),
+    Param::new(
+        "importons",
+        Kind::Integer { min: 1, max: 1 << 20 },
+        "1024",
+        "points of the image that lights are weighed by, fresh each pass",
+    )
+    .part_of("generator", WEIGHING),
+    Param::new("importance-rays", Kind::Integer { min: 1, max: 1 << 16 }, "32", "of those points, how many weigh one light")
+        .part_of("generator", WEIGHING),
+    Param::new(
+        "importance-floor",
+        Kind::Number { min: 1e-6, max: 1.0 },
+        "0.02",
+        "added to a light's importance over the mean one, so that none is lost which those points do not see",
+    )
+    .part_of("generator", WEIGHING),
+    Param::new(
+        "selectivity",
+        Kind::Number { min: 1e-3, max: 1e6 },
+        "1",
+        "a light is kept with its importance over so many times the mean one: the larger, the fewer and the more alike",
+    )
+    .part_of("generator", &["rejection"]),
 ];
+
+/// Generators of indirect light: each brings all of it.
+const INDIRECT: &[&str] = &["keller", "rejection"];
+/// Those that weigh lights by what they bring to the camera.
+const WEIGHING: &[&str] = &["rejection"];
 
 pub(crate) type Vpls = Box<dyn Generator<Lights = Vec<Vpl>>>;
 
@@ -38,6 +67,12 @@ pub(crate) type Vpls = Box<dyn Generator<Lights = Vec<Vpl>>>;
 pub(crate) fn vpls(v: &Values, scene: &Scene) -> Result<Vpls, RecipeError> {
     if v.text("direct") == "only" {
         return Ok(Box::new(NoLights));
+    }
+    let twice: Vec<_> = INDIRECT.iter().copied().filter(|g| v.has_term("generator", g)).collect();
+    if let [one, other, ..] = twice[..] {
+        return Err(RecipeError::Contrary(format!(
+            "generator={one}+{other} would bring all indirect light twice: choose one of them"
+        )));
     }
     let mut terms = v.text("generator").split('+').map(|t| one(t, v, scene)).collect::<Result<Vec<_>, _>>()?;
     if direct::adds_emitters(v) {
@@ -50,6 +85,13 @@ fn one(name: &str, v: &Values, scene: &Scene) -> Result<Vpls, RecipeError> {
     let paths = v.integer("paths")?;
     Ok(match name {
         "emitters" => Box::new(Emitters { paths }),
+        "rejection" => Box::new(Rejection {
+            walks: keller(v, scene)?,
+            points: v.integer("importons")? as u32,
+            rays: v.integer("importance-rays")? as u32,
+            selectivity: v.number("selectivity")?,
+            floor: v.number("importance-floor")?,
+        }),
         _ => Box::new(keller(v, scene)?),
     })
 }
