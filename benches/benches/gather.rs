@@ -65,7 +65,7 @@ impl Setting {
     }
     /// What `ask` finds at all receivers together.
     fn sum(&self, probe: &mut Probe, ask: impl Fn(&mut Gather<'_, Vertex, Points, Bound>) -> Spectrum) -> Spectrum {
-        let bound = BoundPlan::Auto.at(&self.scene, 0, LIGHTS as u64);
+        let bound = BoundPlan::AUTO.at(&self.scene, 0, LIGHTS as u64);
         let mut sum = Spectrum::BLACK;
         for receiver in &self.receivers {
             let (edges_left, edges_least) = (u32::MAX, 0);
@@ -86,9 +86,9 @@ impl Setting {
     /// What `shadowed` asks to be clear.
     fn edges(&self) -> Vec<Edge> {
         let mut probe = Probe::default();
-        probe.explain = Some(Vec::new());
+        probe.explain = Some(Default::default());
         self.shadowed(&mut probe);
-        probe.explain.into_iter().flatten().map(|e| e.edge).collect()
+        probe.explain.into_iter().flat_map(|e| e.lights).map(|e| e.edge).collect()
     }
 }
 

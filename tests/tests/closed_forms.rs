@@ -2,7 +2,7 @@
 //!
 //! Family-wise significance 0.01 by Holm within each test; seeds are fixed, so a test that passes always passes.
 
-use manylight_framework::{NoCompensation, Probe};
+use manylight_framework::{Compensation, Probe};
 use manylight_integration::rooms::{
     self, ball_light, disc_light, furnace, hollow_ball, hollow_cube, lantern, plane_under,
 };
@@ -50,8 +50,8 @@ fn one_light_path_in_a_sphere_gives_every_truncation_exactly() {
                 generator: Box::new(Sum(vec![Box::new(keller), Box::new(Emitters { paths: 1 })])),
                 plan: All,
                 kernel: Points,
-                bounding: manylight_compensation::BoundPlan::None,
-                compensator: Box::new(NoCompensation),
+                bounding: manylight_compensation::BoundPlan::NONE,
+                compensation: Compensation::None,
                 max_edges: k,
                 min_edges: 1,
             };

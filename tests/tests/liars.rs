@@ -3,7 +3,7 @@
 //! Family-wise significance 0.01 by Holm within each verdict; seeds are fixed.
 
 use manylight_compensation::BoundPlan;
-use manylight_framework::{Batch, Claim, Connection, GenerateError, Generator, Kernel, NoCompensation, Probe, Promise};
+use manylight_framework::{Batch, Claim, Compensation, Connection, GenerateError, Generator, Kernel, Probe, Promise};
 use manylight_integration::rooms::{furnace, hollow_ball};
 use manylight_integration::{block_runs, our_scene, recipe};
 use manylight_light_list::All;
@@ -23,9 +23,9 @@ fn room() -> Scene {
     furnace(hollow_ball(1.0), 1.0, Spectrum::gray(0.5), Spectrum::ONE, (8, 8))
 }
 fn composed<K>(generator: Lights, kernel: K) -> ManyLights<Vec<Vpl>, All, K, BoundPlan> {
-    let compensator = Box::new(NoCompensation);
-    let (bounding, max_edges, min_edges) = (BoundPlan::None, u32::MAX, 1);
-    ManyLights { generator, plan: All, kernel, bounding, compensator, max_edges, min_edges }
+    let compensation = Compensation::None;
+    let (bounding, max_edges, min_edges) = (BoundPlan::NONE, u32::MAX, 1);
+    ManyLights { generator, plan: All, kernel, bounding, compensation, max_edges, min_edges }
 }
 /// Against the exact radiance, of all paths.
 fn verdict<K: Kernel<Vertex, Vpl> + Send + 'static>(generator: Lights, kernel: K) -> Verdict {
@@ -166,7 +166,7 @@ fn lights_without_shadows_are_caught() {
     let runs = |method: &dyn manylight_framework::Method| block_runs(&scene, method, 1, 5, 64, 1);
     let bounded = |kernel| {
         let mut method = composed(Box::new(Keller { max_edges: Some(12), ..HONEST }), kernel);
-        (method.bounding, method.max_edges, method.min_edges) = (BoundPlan::Fixed(1.0), 12, 3);
+        (method.bounding, method.max_edges, method.min_edges) = (BoundPlan::fixed(1.0), 12, 3);
         method
     };
     let (honest, liar) = (runs(&bounded(Bent(|_, _, c| c))), runs(&bounded(no_shadow)));

@@ -2,6 +2,8 @@
 
 use manylight_framework::{Bounding, Claim, Pair, Promise};
 
+const PI2: f32 = std::f32::consts::PI * std::f32::consts::PI;
+
 /// A bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
@@ -9,13 +11,18 @@ pub enum Bound {
     None,
     /// min(G, b), with b positive. [1/m^2]
     Geometry(f32),
+    /// min(pi^2 f(x) G f(y), b): of the whole contribution per unit of the light's flux, lobes and all, so that a glossy light
+    /// cannot make a spike either. In units of white diffuse surfaces, whose pi f is one, so that b is as above. [1/m^2]
+    ///
+    /// What is taken away depends on where the light came from, so that no compensation can estimate it.
+    Contribution(f32),
 }
 
 impl Promise for Bound {
     fn claim(&self) -> Claim {
         match self {
             Bound::None => Claim::EXACT,
-            Bound::Geometry(_) => Claim::DARKENS,
+            Bound::Geometry(_) | Bound::Contribution(_) => Claim::DARKENS,
         }
     }
 }
@@ -23,14 +30,21 @@ impl Bounding for Bound {
     fn keep(&self, pair: &Pair) -> f32 {
         match *self {
             Bound::Geometry(b) if pair.g > b => b / pair.g,
+            Bound::Contribution(b) => {
+                let c = PI2 * pair.lobes.unwrap_or(0.0) * pair.g;
+                if c > b { b / c } else { 1.0 }
+            }
             _ => 1.0,
         }
     }
     fn cap(&self) -> f32 {
         match *self {
-            Bound::None => f32::INFINITY,
+            Bound::None | Bound::Contribution(_) => f32::INFINITY,
             Bound::Geometry(b) => b,
         }
+    }
+    fn compensable(&self) -> bool {
+        !matches!(self, Bound::Contribution(_))
     }
 }
 
@@ -45,6 +59,18 @@ mod tests {
             let keep = Bound::Geometry(b).keep(&Pair { g, lobes: None });
             prop_assert!((0.0..=1.0).contains(&keep) && keep * g <= b * 1.000001);
             prop_assert!(g > b || keep == 1.0);
+        }
+    }
+    #[test]
+    fn the_whole_contribution_is_bounded_in_units_of_white_walls() {
+        let white = std::f32::consts::FRAC_1_PI * std::f32::consts::FRAC_1_PI;
+        for g in [0.1f32, 1.0, 7.0, 1e9] {
+            let keep = |lobes| Bound::Contribution(5.0).keep(&Pair { g, lobes: Some(lobes) });
+            let geometry = Bound::Geometry(5.0).keep(&Pair { g, lobes: None });
+            assert!((keep(white) - geometry).abs() < 1e-6, "{g}: {} and {geometry}", keep(white));
+            // A lobe a hundred times as high is kept down to the same contribution.
+            assert!(keep(100.0 * white) * 100.0 * g <= 5.0 * 1.00001);
+            assert_eq!(keep(0.0), 1.0);
         }
     }
     #[test]

@@ -12,7 +12,9 @@
 //! ```
 
 mod bound;
+mod kollig_keller;
 mod plan;
 
 pub use bound::Bound;
-pub use plan::BoundPlan;
+pub use kollig_keller::{Arrival, KolligKeller};
+pub use plan::{BoundPlan, Bounded, Level};

@@ -1,7 +1,7 @@
 //! Which bound a pass gets.
 
-use manylight_compensation::{Bound, BoundPlan};
-use manylight_framework::{Bounding, BoundingPlan, Pair, Promise};
+use manylight_compensation::{Bound, BoundPlan, Bounded, Level};
+use manylight_framework::{Bounding, BoundingPlan, KnobSet, Pair, Promise};
 use manylight_geometry::{ShapeGeometry, Sphere, TriangleMesh};
 use manylight_math::{DAffine3, DVec3, Spectrum, Vec3};
 use manylight_scene::{Camera, Material, Model, Scene, Shape, Source};
@@ -20,9 +20,10 @@ fn scene(scale: f64, shapes: usize) -> Scene {
     b.build().unwrap()
 }
 fn auto(scene: &Scene, paths: u64) -> f64 {
-    match BoundPlan::Auto.at(scene, 0, paths) {
+    match BoundPlan::AUTO.at(scene, 0, paths) {
         Bound::Geometry(b) => b as f64,
         Bound::None => f64::INFINITY,
+        Bound::Contribution(_) => panic!("auto bounds the geometry term"),
     }
 }
 
@@ -35,7 +36,7 @@ fn auto_is_pi_paths_over_the_surface() {
     }
     // No path is one path; every pass has the same.
     assert_eq!(auto(&scene(1.0, 2), 0), auto(&scene(1.0, 2), 1));
-    assert_eq!(BoundPlan::Auto.at(&scene(1.0, 2), 7, 64), BoundPlan::Auto.at(&scene(1.0, 2), 0, 64));
+    assert_eq!(BoundPlan::AUTO.at(&scene(1.0, 2), 7, 64), BoundPlan::AUTO.at(&scene(1.0, 2), 0, 64));
 }
 
 #[test]
@@ -53,7 +54,7 @@ fn auto_goes_with_one_over_a_length_squared_so_that_b_d_squared_does_not_change(
 
 #[test]
 fn without_surface_there_is_nothing_to_bound() {
-    let bound = BoundPlan::Auto.at(&scene(1.0, 0), 0, 64);
+    let bound = BoundPlan::AUTO.at(&scene(1.0, 0), 0, 64);
     assert_eq!(bound, Bound::None);
     assert_eq!(bound.keep(&Pair { g: 1e30, lobes: None }), 1.0);
 }
@@ -61,14 +62,31 @@ fn without_surface_there_is_nothing_to_bound() {
 #[test]
 fn plans_promise_what_they_do() {
     let scene = scene(1.0, 2);
-    assert_eq!(BoundPlan::Fixed(3.0).at(&scene, 0, 9), Bound::Geometry(3.0));
-    assert_eq!(BoundPlan::None.at(&scene, 0, 9), Bound::None);
-    assert!(BoundPlan::None.claim().is_unbiased() && !BoundPlan::None.tames());
-    for plan in [BoundPlan::Fixed(3.0), BoundPlan::Auto] {
+    assert_eq!(BoundPlan::fixed(3.0).at(&scene, 0, 9), Bound::Geometry(3.0));
+    assert_eq!(BoundPlan::NONE.at(&scene, 0, 9), Bound::None);
+    assert!(BoundPlan::NONE.claim().is_unbiased() && !BoundPlan::NONE.tames());
+    for plan in [BoundPlan::fixed(3.0), BoundPlan::AUTO] {
         assert!(plan.tames() && !plan.claim().is_unbiased() && !plan.claim().brightens);
     }
     // The cap is what is kept at most.
     let bound = Bound::Geometry(3.0);
     assert_eq!((bound.cap(), Bound::None.cap()), (3.0, f32::INFINITY));
     assert_eq!(bound.keep(&Pair { g: f32::MAX, lobes: None }), 3.0 / f32::MAX);
+}
+
+#[test]
+fn the_progressive_bound_starts_as_auto_and_grows_with_the_passes() {
+    let (scene, plan) = (scene(1.0, 2), BoundPlan { level: Level::Progressive, of: Bounded::Geometry });
+    let at = |pass| plan.at(&scene, pass, 64).cap() as f64;
+    assert_eq!(plan.at(&scene, 0, 64), BoundPlan::AUTO.at(&scene, 0, 64));
+    assert!((at(7) / at(0) - 4.0).abs() < 1e-5, "8^(2/3) is 4: {}", at(7) / at(0));
+    assert!(plan.claim().vanishes_with.contains(KnobSet::PASSES) && plan.tames());
+}
+
+#[test]
+fn the_whole_contribution_is_bounded_at_the_same_number() {
+    let (scene, plan) = (scene(1.0, 2), BoundPlan { level: Level::Auto, of: Bounded::Contribution });
+    let Bound::Contribution(b) = plan.at(&scene, 0, 64) else { panic!("of the geometry term") };
+    assert_eq!(b as f64, auto(&scene, 64));
+    assert!(!plan.at(&scene, 0, 64).compensable());
 }

@@ -61,6 +61,10 @@ impl PathClasses {
     pub fn common(self, o: PathClasses) -> PathClasses {
         PathClasses(self.0 & o.0)
     }
+    /// Without the classes of `o`.
+    pub fn without(self, o: PathClasses) -> PathClasses {
+        PathClasses(self.0 & !o.0)
+    }
     /// Are all classes of `o` in it?
     pub fn contains(self, o: PathClasses) -> bool {
         self.0 & o.0 == o.0

@@ -102,7 +102,7 @@ impl<'s> Film<'s> {
         let this: &Self = self;
         this.scheduler.run(tiles, &|tile| {
             let mut probe = Probe::default();
-            probe.explain = explain.then(Vec::new);
+            probe.explain = explain.then(Default::default);
             let (x0, y0) = (tile % across * TILE, tile / across * TILE);
             let rows = y0..(y0 + TILE).min(h);
             let places = rows.flat_map(|y| (x0..(x0 + TILE).min(w)).map(move |x| y * w + x));

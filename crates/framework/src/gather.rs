@@ -31,7 +31,7 @@ pub struct Gather<'a, R, K, B: ?Sized> {
 
 impl<R, K, B: Bounding + ?Sized> Gather<'_, R, K, B> {
     /// Bounded, unshadowed; `None` if black, so that no ray is traced for nothing.
-    fn kept<L: VirtualLight>(&mut self, light: &L, s: &mut Stream) -> Option<(Spectrum, Edge, f32)>
+    fn kept<L: VirtualLight>(&mut self, light: &L, s: &mut Stream) -> Option<Kept>
     where
         K: Kernel<R, L>,
     {
@@ -42,16 +42,25 @@ impl<R, K, B: Bounding + ?Sized> Gather<'_, R, K, B> {
         self.probe.evaluations += 1;
         let c = self.kernel.connect(self.scene, self.receiver, light, s)?;
         let keep = self.bounding.keep(&c.pair);
-        Some((c.value * keep, c.edge, keep)).filter(|k| !k.0.is_black())
+        Some(Kept { value: c.value * keep, edge: c.edge, keep, g: c.pair.g, edges }).filter(|k| !k.value.is_black())
     }
-    fn lit(&mut self, (value, edge, keep): (Spectrum, Edge, f32), s: &mut Stream) -> Spectrum {
+    fn lit(&mut self, Kept { value, edge, keep, g, edges }: Kept, s: &mut Stream) -> Spectrum {
         self.probe.shadow_rays += 1;
         let contribution = value * self.scene.transmittance(&edge, s);
-        if let Some(list) = &mut self.probe.explain {
-            list.push(Explained { edge, contribution, keep });
+        if let Some(explanation) = &mut self.probe.explain {
+            explanation.lights.push(Explained { edge, contribution, g, keep, edges });
         }
         contribution
     }
+}
+
+/// A connection before its shadow ray.
+struct Kept {
+    value: Spectrum,
+    edge: Edge,
+    keep: f32,
+    g: f32,
+    edges: u32,
 }
 
 impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Contribute<L> for Gather<'_, R, K, B> {
@@ -65,15 +74,15 @@ impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Contribute<L> fo
             for (k, l) in kept.iter_mut().zip(lights) {
                 *k = self.kept(l, s);
             }
-            for (k, o) in kept.iter().zip(out) {
-                *o = k.map_or(Spectrum::BLACK, |k| self.lit(k, s));
+            for (k, o) in kept.iter_mut().zip(out) {
+                *o = k.take().map_or(Spectrum::BLACK, |k| self.lit(k, s));
             }
         }
     }
 }
 impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Unshadowed<L> for Gather<'_, R, K, B> {
     fn unshadowed(&mut self, light: &L, s: &mut Stream) -> Spectrum {
-        self.kept(light, s).map_or(Spectrum::BLACK, |k| k.0)
+        self.kept(light, s).map_or(Spectrum::BLACK, |k| k.value)
     }
 }
 impl<C, R, K: Bounds<R, C>, B: Bounding + ?Sized> BoundCluster<C> for Gather<'_, R, K, B> {

@@ -78,8 +78,8 @@
 //!     generator: Box::new(Keller { .. }),        // manylight-vpl: lights of type Vpl
 //!     plan: EverySecond,                         // yours
 //!     kernel: Points,                            // manylight-vpl: answers Contribute and Unshadowed about a Vpl
-//!     bounding: BoundPlan::Auto,                // manylight-compensation: the plan of a bound, not a bound
-//!     compensator: Box::new(NoCompensation),     // this crate
+//!     bounding: BoundPlan::AUTO,                // manylight-compensation: the plan of a bound, not a bound
+//!     compensation: Compensation::None,          // this crate
 //!     max_edges: 6, min_edges: 1,                // path lengths, emitter to eye; 2 is direct light
 //! }
 //! ```
@@ -151,7 +151,8 @@ mod probe;
 mod receiver;
 
 pub use bounding::{
-    Bounding, BoundingPlan, Compensator, Frame, FrameCompensator, GBuffer, NoCompensation, Outgoing, Pixel,
+    Bounding, BoundingPlan, Compensation, Compensator, Depth, Frame, FrameCompensator, GBuffer, KeepNothing, Onward,
+    Pixel,
 };
 pub use claim::{Claim, KnobSet, PathClasses, Promise};
 pub use film::{Film, Image, Scheduler, Sequential, TILE};
@@ -164,5 +165,5 @@ pub use light_set::{
     BoundCluster, BuildError, Contribute, LightSet, Limited, Located, Notes, Occlusion, Picks, Plan, ReachCluster,
     Unshadowed,
 };
-pub use probe::{Explained, NonFinite, Probe};
+pub use probe::{Explained, Explanation, NonFinite, Probe};
 pub use receiver::Receiver;

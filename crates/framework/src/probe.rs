@@ -1,5 +1,6 @@
 //! What is counted and shown on the way.
 
+use crate::Depth;
 use manylight_math::Spectrum;
 use manylight_scene::Edge;
 use std::sync::Arc;
@@ -28,8 +29,8 @@ pub struct Probe {
     aovs: Vec<(&'static str, f64, u64)>,
     /// Set when the user asks to stop: whatever takes long looks at it.
     pub cancel: Option<Arc<AtomicBool>>,
-    /// The lights of one sample, where they are asked for.
-    pub explain: Option<Vec<Explained>>,
+    /// What made one sample, where that is asked for.
+    pub explain: Option<Explanation>,
 }
 
 /// Samples that were not fit for an image.
@@ -50,21 +51,40 @@ impl NonFinite {
     }
 }
 
-/// One line of `explain`.
+/// What made one sample.
+#[derive(Clone, Debug, Default)]
+pub struct Explanation {
+    /// The lights that were asked with a shadow ray, also where residual paths arrive.
+    pub lights: Vec<Explained>,
+    /// What compensation gave at each point, and where along the path that is; the throughput up to there left out.
+    pub residuals: Vec<(Depth, Spectrum)>,
+}
+
+/// One light of an explanation.
 #[derive(Clone, Copy, Debug)]
 pub struct Explained {
     /// Ends on the light.
     pub edge: Edge,
-    /// What it gave. [W/(m^2 sr)]
+    /// What it gave, bounded, its shadow included. [W/(m^2 sr)]
     pub contribution: Spectrum,
+    /// Geometry term. [1/m^2]
+    pub g: f32,
     /// The part that the bounding kept.
     pub keep: f32,
+    /// Edges of the light from the emitter.
+    pub edges: u32,
 }
 
 impl Probe {
     /// Has the user asked to stop?
     pub fn cancelled(&self) -> bool {
         self.cancel.as_ref().is_some_and(|c| c.load(Ordering::Relaxed))
+    }
+    /// Notes what compensation gave at a point, where explanations are asked for.
+    pub fn explain_residual(&mut self, at: Depth, residual: Spectrum) {
+        if let Some(e) = &mut self.explain {
+            e.residuals.push((at, residual));
+        }
     }
     /// Counts a sample that is not fit for an image.
     pub fn drop_sample(&mut self, pass: u64, pixel: usize, sample: u32) {
@@ -99,8 +119,10 @@ impl Probe {
         for &(name, sum, count) in &o.aovs {
             self.add(name, sum, count);
         }
-        if let Some(list) = &o.explain {
-            self.explain.get_or_insert_default().extend(list);
+        if let Some(more) = &o.explain {
+            let all = self.explain.get_or_insert_default();
+            all.lights.extend(&more.lights);
+            all.residuals.extend(&more.residuals);
         }
     }
     fn add(&mut self, name: &'static str, sum: f64, count: u64) {

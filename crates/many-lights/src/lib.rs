@@ -10,7 +10,9 @@
 //! See `ManyLights` for the parts, and the crate `manylight-recipes` for the named compositions.
 
 mod direct;
+mod frame;
+mod further;
 mod many_lights;
 
-pub use direct::direct_light;
+pub use direct::{direct_light, lost_direct_light};
 pub use many_lights::{ManyLights, Prepared};

@@ -1,9 +1,11 @@
 //! The composite.
 
-use crate::direct_light;
+use crate::frame;
+use crate::further::Further;
+use crate::{direct_light, lost_direct_light};
 use manylight_framework::{
-    BoundingPlan, Claim, Compensator, Gather, Generator, Integrator, LightSet, Occlusion, PassError, PathClasses, Plan,
-    Probe, Promise,
+    Bounding, BoundingPlan, Claim, Compensation, Depth, Film, Gather, Generator, Integrator, KeepNothing, LightSet,
+    Occlusion, PassError, PathClasses, Plan, Probe, Promise,
 };
 use manylight_math::{Aabb, Ray, Spectrum};
 use manylight_sampling::{Purpose, Stream};
@@ -11,7 +13,7 @@ use manylight_scene::{Edge, Mode, Scene, Vertex};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// generator x light set x kernel x bounding x compensation. Only light set x kernel x kind of end is monomorphised: the
-/// generator and the compensator are trait objects, of one call a pass or a receiver.
+/// generator and the compensation are trait objects, of one call a pass or a receiver.
 pub struct ManyLights<L, P, K, B> {
     /// Makes the lights of each pass.
     pub generator: Box<dyn Generator<Lights = L>>,
@@ -22,7 +24,7 @@ pub struct ManyLights<L, P, K, B> {
     /// What is kept of a connection.
     pub bounding: B,
     /// Estimates what was not.
-    pub compensator: Box<dyn Compensator>,
+    pub compensation: Compensation,
     /// Longest path, in edges; `u32::MAX`: no limit.
     pub max_edges: u32,
     /// Shortest path, in edges: shorter ones (1: emission seen directly, 2: direct light) are left out.
@@ -31,9 +33,9 @@ pub struct ManyLights<L, P, K, B> {
 
 /// The lights of a pass.
 pub struct Prepared<S, B> {
-    set: S,
-    bounding: B,
-    covers_direct: bool,
+    pub(crate) set: S,
+    pub(crate) bounding: B,
+    pub(crate) covers_direct: bool,
 }
 
 /// From this edge on a chain of delta lobes is ended by Russian roulette (in glass, total reflection may go on for ever).
@@ -43,48 +45,58 @@ const SURVIVAL: f32 = 0.95;
 impl<L, P, K, B> ManyLights<L, P, K, B>
 where
     P: Plan<L>,
-    K: Promise + Sync,
+    K: Promise + Send + Sync,
     B: BoundingPlan,
     P::Set: for<'g> LightSet<Gather<'g, Vertex, K, B::Pass>>,
 {
-    fn counts(&self, edges: u32) -> bool {
+    pub(crate) fn counts(&self, edges: u32) -> bool {
         (self.min_edges..=self.max_edges).contains(&edges)
     }
-    /// What leaves `x` without its emission, after `edges` edges from the eye: direct light, what the lights bring, and what
-    /// the bounding took away.
-    fn outgoing(
+    /// What leaves `x` without its emission: direct light, what the lights bring, and what the bounding took away.
+    pub(crate) fn outgoing(
         &self,
         scene: &Scene,
         p: &Prepared<P::Set, B::Pass>,
         x: &Vertex,
-        edges: u32,
+        at: Depth,
         probe: &mut Probe,
         s: &mut Stream,
     ) -> Spectrum {
-        if edges >= self.max_edges || !x.connects() {
+        if at.edges >= self.max_edges || !x.connects() {
             return Spectrum::BLACK;
         }
-        let mut sum = Spectrum::BLACK;
-        if !p.covers_direct && self.counts(edges + 1) {
-            sum += direct_light(scene, x, probe, s);
-        }
-        let mut ask = Gather {
-            scene,
-            receiver: x,
-            kernel: &self.kernel,
-            bounding: &p.bounding,
-            edges_left: self.max_edges - edges,
-            edges_least: self.min_edges.saturating_sub(edges + 1),
-            probe: &mut *probe,
+        let compensator = match &self.compensation {
+            Compensation::Point(c) => Some(&**c),
+            _ => None,
         };
-        sum += p.set.radiance(&mut ask, s);
-        if self.compensator.is_some() {
-            let leave = |y: &Vertex, more: u32, probe: &mut Probe, s: &mut Stream| {
-                let edges = edges.saturating_add(more);
-                let emitted = if p.covers_direct && self.counts(edges) { y.emitted() } else { Spectrum::BLACK };
-                emitted + self.outgoing(scene, p, y, edges, probe, s)
+        let lights = compensator.is_none_or(|c| c.asks_lights(at.level));
+        let bounding: &dyn Bounding = if lights { &p.bounding } else { &KeepNothing };
+        let mut sum = Spectrum::BLACK;
+        if self.counts(at.edges + 1) {
+            if !p.covers_direct {
+                sum += direct_light(scene, x, probe, s);
+            } else if self.compensation.is_some() {
+                // Virtual lights on the emitters are bounded too. Emitters can be sampled: no residual path need find them.
+                sum += lost_direct_light(scene, x, bounding, probe, s);
+            }
+        }
+        if lights {
+            let mut ask = Gather {
+                scene,
+                receiver: x,
+                kernel: &self.kernel,
+                bounding: &p.bounding,
+                edges_left: self.max_edges - at.edges,
+                edges_least: self.min_edges.saturating_sub(at.edges + 1),
+                probe: &mut *probe,
             };
-            sum += self.compensator.residual(scene, x, &p.bounding, &leave, probe, s);
+            sum += p.set.radiance(&mut ask, s);
+        }
+        if let Some(c) = compensator {
+            let onward = Further { method: self, scene, prepared: p };
+            let residual = c.residual(scene, x, at, bounding, &onward, probe, s);
+            probe.explain_residual(at, residual);
+            sum += residual;
         }
         sum
     }
@@ -108,7 +120,7 @@ where
         let set = self.plan.build(batch.lights, &counted, &mut Stream::new(seed, [pass, 0, 0], Purpose::BUILD))?;
         probe.shadow_rays += counted.rays.into_inner();
         let bounding = self.bounding.at(scene, pass, batch.paths);
-        if self.compensator.is_some() && !manylight_framework::Bounding::compensable(&bounding) {
+        if self.compensation.is_some() && !bounding.compensable() {
             return Err(PassError::NotCompensable);
         }
         Ok(Prepared { set, bounding, covers_direct: batch.covers_direct })
@@ -129,7 +141,7 @@ where
             if self.counts(edges) {
                 sum += throughput * x.emitted();
             }
-            sum += throughput * self.outgoing(scene, p, &x, edges, probe, s);
+            sum += throughput * self.outgoing(scene, p, &x, Depth { edges, level: 0 }, probe, s);
             // Everything but the delta lobes has been gathered: walk on through those alone.
             let Some(next) = x.sample(s.next_f32(), s.next_2d()).filter(|n| n.delta) else { break };
             throughput *= next.weight;
@@ -145,11 +157,19 @@ where
         }
         sum
     }
+
+    fn render_pass(&self, scene: &Scene, p: &Self::Prepared, film: &mut Film, probe: &mut Probe) {
+        film.fill(probe, &|ray, probe, s| self.radiance(scene, p, ray, probe, s));
+        if let Compensation::Frame(c) = &self.compensation {
+            let onward = Further { method: self, scene, prepared: p };
+            frame::add_residual(&**c, scene, &p.bounding, &onward, film, probe);
+        }
+    }
 }
 
 impl<L, P: Promise, K: Promise, B: BoundingPlan> Promise for ManyLights<L, P, K, B> {
     fn claim(&self) -> Claim {
-        let bounded = self.compensator.repairs(self.bounding.claim());
+        let bounded = self.compensation.repairs(self.bounding.claim());
         let generated = self.generator.claim();
         if generated.misses.contains(PathClasses::INDIRECT) && !generated.noisy {
             // No lights: only direct light is left, which is sampled.
@@ -157,8 +177,9 @@ impl<L, P: Promise, K: Promise, B: BoundingPlan> Promise for ManyLights<L, P, K,
         }
         let kernel = self.kernel.claim();
         let kernel = Claim { finite_variance: kernel.finite_variance || self.bounding.tames(), ..kernel };
+        let all = generated.and(self.plan.claim()).and(kernel).and(bounded);
         // Camera samples are noisy whatever the parts.
-        Claim { noisy: true, ..generated.and(self.plan.claim()).and(kernel).and(bounded) }
+        Claim { noisy: true, misses: all.misses.without(self.compensation.finds()), ..all }
     }
 }
 

@@ -3,7 +3,7 @@
 //! `cargo run --release -p manylight --example 02_vpl_cornell` writes vpl_cornell.exr and vpl_cornell.png where it is run.
 
 use manylight::compensation::BoundPlan;
-use manylight::framework::{NoCompensation, Promise};
+use manylight::framework::{Compensation, Promise};
 use manylight::light_list::All;
 use manylight::many_lights::ManyLights;
 use manylight::render::files::{Exposure, Picture, write_exr, write_png};
@@ -29,8 +29,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         plan: All,
         kernel: Points,
         // cos cos / d^2 is bounded, against splotches; what that takes from the corners is not put back.
-        bounding: BoundPlan::Auto,
-        compensator: Box::new(NoCompensation),
+        bounding: BoundPlan::AUTO,
+        compensation: Compensation::None,
         max_edges,
         min_edges: 1,
     };

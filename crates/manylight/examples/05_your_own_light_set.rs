@@ -13,7 +13,7 @@
 
 use manylight::compensation::BoundPlan;
 use manylight::framework::{
-    BuildError, Claim, Contribute, LightSet, Method, NoCompensation, Occlusion, Plan, Promise, Unshadowed, VirtualLight,
+    BuildError, Claim, Compensation, Contribute, LightSet, Method, Occlusion, Plan, Promise, Unshadowed, VirtualLight,
 };
 use manylight::light_list::All;
 use manylight::many_lights::ManyLights;
@@ -89,8 +89,8 @@ fn with<P: Plan<Vec<Vpl>>>(plan: P, max_edges: u32) -> ManyLights<Vec<Vpl>, P, P
         }),
         plan,
         kernel: Points,
-        bounding: BoundPlan::Auto,
-        compensator: Box::new(NoCompensation),
+        bounding: BoundPlan::AUTO,
+        compensation: Compensation::None,
         max_edges,
         min_edges: 1,
     }

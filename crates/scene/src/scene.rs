@@ -227,7 +227,7 @@ impl SceneBuilder {
             media.of_emitter = emitters.media(&media, &geometry, camera.medium);
             Some(Box::new(media))
         };
-        Ok(Scene {
+        let mut scene = Scene {
             media,
             geometry,
             shapes,
@@ -238,7 +238,10 @@ impl SceneBuilder {
             filter: self.filter.unwrap_or(Filter::Box),
             max_depth: self.max_depth,
             rr_depth: self.rr_depth,
-        })
+            delta_lobes: false,
+        };
+        scene.delta_lobes = scene.find_delta_lobes();
+        Ok(scene)
     }
 }
 
@@ -263,6 +266,7 @@ pub struct Scene {
     filter: Filter,
     max_depth: Option<u32>,
     rr_depth: Option<u32>,
+    delta_lobes: bool,
 }
 
 impl Scene {
@@ -427,6 +431,9 @@ impl Scene {
     }
     /// Does any shape's material need a delta lobe (a smooth mirror, glass)?
     pub fn has_delta_lobes(&self) -> bool {
+        self.delta_lobes
+    }
+    fn find_delta_lobes(&self) -> bool {
         let delta = |m: &crate::Model| m.resolve(&self.textures, Default::default()).has_delta();
         let of_shape = |s: &Placed| &self.materials[s.material.0 as usize];
         self.shapes.iter().map(of_shape).any(|m| delta(&m.front) || m.back.as_ref().is_some_and(delta))

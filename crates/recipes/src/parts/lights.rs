@@ -118,6 +118,6 @@ where
     ManyLights<Vec<L>, P, K, BoundPlan>: Method,
 {
     let (min_edges, max_edges) = v.depths(scene)?;
-    let (bounding, compensator) = (bound::plan(v)?, compensation::compensator(v)?);
-    Ok(Box::new(ManyLights { generator, plan, kernel, bounding, compensator, max_edges, min_edges }))
+    let (bounding, compensation) = (bound::plan(v)?, compensation::compensation(v)?);
+    Ok(Box::new(ManyLights { generator, plan, kernel, bounding, compensation, max_edges, min_edges }))
 }

@@ -1,0 +1,83 @@
+//! The residual of a whole frame.
+
+use manylight_framework::{Bounding, Film, Frame, FrameCompensator, GBuffer, Onward, Pixel, Probe, TILE};
+use manylight_math::Spectrum;
+use manylight_scene::{Mode, Scene};
+use std::sync::Mutex;
+
+/// Adds to the film what a frame compensator estimates. Values that are not finite are left out and reported.
+pub(crate) fn add_residual(
+    compensator: &dyn FrameCompensator,
+    scene: &Scene,
+    bounding: &dyn Bounding,
+    onward: &dyn Onward,
+    film: &mut Film,
+    probe: &mut Probe,
+) {
+    let gbuffer = gbuffer(scene, film, onward, probe);
+    let scheduler = film.scheduler();
+    let frame = Frame { scene, gbuffer: &gbuffer, bounding, rendered: &film.image, onward, scheduler };
+    let residual = compensator.residual(&frame, film.seed, film.pass, probe);
+    for (i, (pixel, more)) in film.image.pixels.iter_mut().zip(residual.pixels).enumerate() {
+        if more.is_finite() {
+            *pixel += more;
+        } else {
+            probe.drop_sample(film.pass, i, 0);
+        }
+    }
+}
+
+/// What the first camera sample of each pixel sees, found again.
+fn gbuffer(scene: &Scene, film: &Film, onward: &dyn Onward, probe: &mut Probe) -> GBuffer {
+    let (width, count) = (film.image.width, film.image.pixels.len());
+    let chunk = width.max(1) * TILE;
+    type Rows = (Vec<Option<Pixel>>, Probe);
+    let rows: Vec<Mutex<Rows>> = (0..count.div_ceil(chunk)).map(|_| Mutex::default()).collect();
+    film.scheduler().run(rows.len(), &|task| {
+        let mut probe = Probe::default();
+        let places = task * chunk..((task + 1) * chunk).min(count);
+        let pixels = places.map(|i| first_vertex(scene, film, i, onward, &mut probe)).collect();
+        if let Ok(mut slot) = rows[task].lock() {
+            *slot = (pixels, probe);
+        }
+    });
+    let mut pixels = Vec::with_capacity(count);
+    for (task, slot) in rows.into_iter().enumerate() {
+        let (mut found, counted) = slot.into_inner().unwrap_or_default();
+        // A task that was cancelled has nothing to show.
+        found.resize(chunk.min(count - task * chunk), None);
+        pixels.extend(found);
+        probe.merge(&counted);
+    }
+    GBuffer { width, pixels }
+}
+
+/// Walks through delta lobes as the eye path does, and with its random numbers to begin with.
+fn first_vertex(scene: &Scene, film: &Film, pixel: usize, onward: &dyn Onward, probe: &mut Probe) -> Option<Pixel> {
+    let mut s = film.stream(pixel, 0);
+    let (mut ray, weight) = film.camera_ray(pixel, &mut s);
+    let (mut throughput, mut depth) = (Spectrum::gray(weight), 0.0f32);
+    let cos_axis = film.camera.forward.dot(ray.dir);
+    probe.camera_rays += 1;
+    for edges in 1..=MOST_EDGES {
+        if !onward.allows(edges + 1) {
+            break;
+        }
+        let vertex = scene.intersect(&ray, Mode::Radiance)?;
+        depth += (vertex.p - ray.origin).length();
+        if vertex.connects() {
+            let facing = vertex.normal().map_or(1.0, |n| n.dot(ray.dir).abs());
+            // A pixel of the film at unit distance, seen from the pinhole, spread over the surface that it meets.
+            let area = film.camera.pixel_area() * cos_axis.powi(3) * depth * depth / facing.max(1e-3);
+            return Some(Pixel { vertex, edges, area, depth, throughput });
+        }
+        let next = vertex.sample(s.next_f32(), s.next_2d()).filter(|n| n.delta)?;
+        throughput *= next.weight;
+        ray = vertex.leave(next.dir);
+        probe.path_rays += 1;
+    }
+    None
+}
+
+/// A chain of delta lobes that is longer is left without compensation.
+const MOST_EDGES: u32 = 8;
