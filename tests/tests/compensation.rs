@@ -130,11 +130,58 @@ fn any_bound_with_compensation_is_the_path_tracer() {
         let truth = block_runs(&scene, &*path.method, 128, 12, effort(64), 1);
         for bound in [0.0001, auto, 10.0 * auto] {
             let bound = format!("bound={bound}");
+            let local = [bound.as_str(), "paths=32", "compensation=local", "min-depth=3"];
+            agree(&format!("{name} {local:?}"), &runs(&scene, &local, 4, effort(passes), 1), &truth);
             for arrival in ["arrival=lights", "arrival=path"] {
                 let params = [bound.as_str(), "paths=32", KK, arrival, "min-depth=3"];
                 agree(&format!("{name} {params:?}"), &runs(&scene, &params, 4, effort(passes), 1), &truth);
             }
         }
+    }
+}
+
+#[test]
+fn local_lights_fill_the_edges_of_a_cube_that_glows() {
+    let mut b = Scene::builder();
+    let walls = diffuse(&mut b, Spectrum::rgb(0.5, 0.3, 0.0));
+    place(&mut b, hollow_cube(0.5), walls, Some(Spectrum::ONE));
+    b.camera(camera(DVec3::new(0.1, 0.0, 0.2), DVec3::new(0.5, 0.45, -0.5), 70.0, (16, 16)));
+    let scene = built(b);
+    let truth = [1.0, 0.3 / 0.7, 0.0];
+    for tile in ["tile=1", "tile=3", "tile=16"] {
+        let params = ["bound=1", "paths=16", "min-depth=2", "compensation=local", tile];
+        let runs = runs(&scene, &params, 1, effort(200), 2);
+        let exact: Vec<f64> = (0..runs.blocks()).map(|i| truth[i % 3]).collect();
+        let test = BlockTest { rounding: 5e-5, ..BlockTest::default() };
+        let verdict = test.run(&runs, Reference::Exact(&exact)).unwrap();
+        println!("{params:?}: {verdict}");
+        assert!(verdict.passes(), "{tile}: {verdict}");
+    }
+}
+
+#[test]
+fn what_the_image_shows_brings_back_most_of_what_the_bound_took() {
+    for (name, bound) in [("corner", "bound=2"), ("cornell-box", "bound=2")] {
+        let scene = our_scene(name, (48, 48));
+        let mean = |r: &Runs| (0..r.blocks()).map(|b| r.moments(b).mean()).sum::<f64>();
+        let path = recipe("path", &[], &scene);
+        let truth = mean(&block_runs(&scene, &*path.method, 16, 12, 24, 1));
+        let with = |more: &[&str]| {
+            let params: Vec<&str> = [bound, "paths=64"].iter().chain(more).copied().collect();
+            mean(&runs(&scene, &params, 1, effort(32), 1))
+        };
+        let bounded = with(&[]);
+        let back = |steps| {
+            let sum = with(&["compensation=screen-space", steps]);
+            (sum - bounded) / (truth - bounded)
+        };
+        let (one, two) = (back("steps=1"), back("steps=2"));
+        println!(
+            "{name}: lost {:.2} %; back after one step {one:.3}, after two {two:.3}",
+            100.0 * (1.0 - bounded / truth)
+        );
+        // The same lights in both: what they vary by cancels in the numerator.
+        assert!(one < two && two > 0.8 && two < 1.25, "{name}: {one} {two}");
     }
 }
 

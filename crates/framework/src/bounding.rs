@@ -108,6 +108,10 @@ pub trait FrameCompensator: Send + Sync {
     fn residual(&self, frame: &Frame, seed: u64, pass: u64, probe: &mut Probe) -> Image;
     /// What a bounding with this claim, and this together, promise.
     fn repairs(&self, bounding: Claim) -> Claim;
+    /// What compensates where its residual paths arrive; `None`: nothing does.
+    fn deeper(&self) -> Option<&dyn Compensator> {
+        None
+    }
 }
 
 /// Whether, and how, what the bounding took away is estimated.
@@ -131,6 +135,14 @@ impl Compensation {
             Compensation::None => bounding,
             Compensation::Point(c) => c.repairs(bounding),
             Compensation::Frame(c) => c.repairs(bounding),
+        }
+    }
+    /// What compensates at a point, `level` residual steps from the eye.
+    pub fn at(&self, level: u32) -> Option<&dyn Compensator> {
+        match self {
+            Compensation::Point(c) => Some(&**c),
+            Compensation::Frame(c) if level > 0 => c.deeper(),
+            _ => None,
         }
     }
     /// Paths that it adds to those that virtual lights make.

@@ -37,6 +37,18 @@ pub trait Scheduler: Sync {
     }
 }
 
+/// Runs tasks 0..count and collects what they return, in their order. `None`: the task was left out.
+pub fn collect<T: Send>(scheduler: &dyn Scheduler, count: usize, task: &(dyn Fn(usize) -> T + Sync)) -> Vec<Option<T>> {
+    let results: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    scheduler.run(count, &|i| {
+        let value = task(i);
+        if let Ok(mut slot) = results[i].lock() {
+            *slot = Some(value);
+        }
+    });
+    results.into_iter().map(|r| r.into_inner().ok().flatten()).collect()
+}
+
 /// One task after the other, on this thread.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sequential;
@@ -61,9 +73,6 @@ pub struct Film<'s> {
     filter: &'s FilterSampler,
     scheduler: &'s dyn Scheduler,
 }
-
-/// Pixels of a tile with their places, and what was counted on the way.
-type Tile = (Vec<(usize, Spectrum)>, Probe);
 
 impl<'s> Film<'s> {
     /// A black film.
@@ -98,9 +107,8 @@ impl<'s> Film<'s> {
         let across = w.div_ceil(TILE);
         let tiles = across * h.div_ceil(TILE);
         let explain = probe.explain.is_some();
-        let results: Vec<Mutex<Option<Tile>>> = (0..tiles).map(|_| Mutex::new(None)).collect();
         let this: &Self = self;
-        this.scheduler.run(tiles, &|tile| {
+        let results = collect(this.scheduler, tiles, &|tile| {
             let mut probe = Probe::default();
             probe.explain = explain.then(Default::default);
             let (x0, y0) = (tile % across * TILE, tile / across * TILE);
@@ -108,16 +116,12 @@ impl<'s> Film<'s> {
             let places = rows.flat_map(|y| (x0..(x0 + TILE).min(w)).map(move |x| y * w + x));
             // A pixel may ask a million lights: whoever cancels does not wait for the rest of the tile.
             let places = places.take_while(|_| !this.scheduler.cancelled());
-            let pixels = places.map(|pixel| (pixel, this.pixel(pixel, &mut probe, radiance))).collect();
-            if let Ok(mut slot) = results[tile].lock() {
-                *slot = Some((pixels, probe));
-            }
+            let pixels: Vec<_> = places.map(|pixel| (pixel, this.pixel(pixel, &mut probe, radiance))).collect();
+            (pixels, probe)
         });
-        for result in results {
-            if let Ok(Some((pixels, tile))) = result.into_inner() {
-                pixels.into_iter().for_each(|(i, v)| self.image.pixels[i] = v);
-                probe.merge(&tile);
-            }
+        for (pixels, tile) in results.into_iter().flatten() {
+            pixels.into_iter().for_each(|(i, v)| self.image.pixels[i] = v);
+            probe.merge(&tile);
         }
     }
     fn pixel(

@@ -155,7 +155,7 @@ pub use bounding::{
     Pixel,
 };
 pub use claim::{Claim, KnobSet, PathClasses, Promise};
-pub use film::{Film, Image, Scheduler, Sequential, TILE};
+pub use film::{Film, Image, Scheduler, Sequential, TILE, collect};
 pub use gather::{BATCH, Gather};
 pub use generator::{Batch, GenerateError, Generator};
 pub use integrator::{Integrator, Method, PassError};

@@ -1,9 +1,8 @@
 //! The residual of a whole frame.
 
-use manylight_framework::{Bounding, Film, Frame, FrameCompensator, GBuffer, Onward, Pixel, Probe, TILE};
+use manylight_framework::{Bounding, Film, Frame, FrameCompensator, GBuffer, Onward, Pixel, Probe, TILE, collect};
 use manylight_math::Spectrum;
 use manylight_scene::{Mode, Scene};
-use std::sync::Mutex;
 
 /// Adds to the film what a frame compensator estimates. Values that are not finite are left out and reported.
 pub(crate) fn add_residual(
@@ -31,19 +30,15 @@ pub(crate) fn add_residual(
 fn gbuffer(scene: &Scene, film: &Film, onward: &dyn Onward, probe: &mut Probe) -> GBuffer {
     let (width, count) = (film.image.width, film.image.pixels.len());
     let chunk = width.max(1) * TILE;
-    type Rows = (Vec<Option<Pixel>>, Probe);
-    let rows: Vec<Mutex<Rows>> = (0..count.div_ceil(chunk)).map(|_| Mutex::default()).collect();
-    film.scheduler().run(rows.len(), &|task| {
+    let tasks = collect(film.scheduler(), count.div_ceil(chunk), &|task| {
         let mut probe = Probe::default();
         let places = task * chunk..((task + 1) * chunk).min(count);
-        let pixels = places.map(|i| first_vertex(scene, film, i, onward, &mut probe)).collect();
-        if let Ok(mut slot) = rows[task].lock() {
-            *slot = (pixels, probe);
-        }
+        let pixels: Vec<_> = places.map(|i| first_vertex(scene, film, i, onward, &mut probe)).collect();
+        (pixels, probe)
     });
     let mut pixels = Vec::with_capacity(count);
-    for (task, slot) in rows.into_iter().enumerate() {
-        let (mut found, counted) = slot.into_inner().unwrap_or_default();
+    for (task, result) in tasks.into_iter().enumerate() {
+        let (mut found, counted) = result.unwrap_or_default();
         // A task that was cancelled has nothing to show.
         found.resize(chunk.min(count - task * chunk), None);
         pixels.extend(found);

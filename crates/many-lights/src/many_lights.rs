@@ -65,10 +65,7 @@ where
         if at.edges >= self.max_edges || !x.connects() {
             return Spectrum::BLACK;
         }
-        let compensator = match &self.compensation {
-            Compensation::Point(c) => Some(&**c),
-            _ => None,
-        };
+        let compensator = self.compensation.at(at.level);
         let lights = compensator.is_none_or(|c| c.asks_lights(at.level));
         let bounding: &dyn Bounding = if lights { &p.bounding } else { &KeepNothing };
         let mut sum = Spectrum::BLACK;

@@ -3,23 +3,23 @@
 use crate::RecipeError;
 use crate::params::{Kind, Param};
 use crate::values::Values;
-use manylight_compensation::{Arrival, KolligKeller};
+use manylight_compensation::{Arrival, KolligKeller, LocalLights, ScreenSpace};
 use manylight_framework::Compensation;
 
 pub(crate) const PARAMS: &[Param] = &[
     Param::new(
         "compensation",
-        Kind::Choice(&["none", "kollig-keller"]),
+        Kind::Choice(&["none", "kollig-keller", "screen-space", "local"]),
         "none",
-        "estimates what the bound takes away; `kollig-keller`: by continued paths, and with them light through mirrors and glass",
+        "estimates what the bound takes away; `kollig-keller`: by continued paths, and with them light through mirrors and glass; `screen-space`: by what the image shows; `local`: by lights that the pixels of a tile find for each other",
     ),
     Param::new(
         "steps",
         Kind::IntegerOr { min: 1, max: 1 << 16, words: &["none"] },
         "none",
-        "residual steps at most; `none`: no limit, unbiased",
+        "residual steps at most; `none`: no limit, unbiased (screen-space: 2)",
     )
-    .part_of("compensation", &["kollig-keller"]),
+    .part_of("compensation", &["kollig-keller", "screen-space"]),
     Param::new(
         "arrival",
         Kind::Choice(&["path", "lights"]),
@@ -27,6 +27,18 @@ pub(crate) const PARAMS: &[Param] = &[
         "how light is found where a residual path arrives: by path tracing from there on, or by all lights again as in the paper (slower, less noise)",
     )
     .part_of("compensation", &["kollig-keller"]),
+    Param::new("neighbours", Kind::Integer { min: 1, max: 4096 }, "32", "pixels that each pixel asks in a step")
+        .part_of("compensation", &["screen-space"]),
+    Param::new("tile", Kind::Integer { min: 1, max: 256 }, "8", "side of a tile whose pixels share their local lights")
+        .unit("pixel")
+        .part_of("compensation", &["local"]),
+    Param::new(
+        "visibility",
+        Kind::Choice(&["exact", "one-sample"]),
+        "exact",
+        "ask whether each pixel of the tile sees a local light, or take the answer of the one that found it for all (biased, faster)",
+    )
+    .part_of("compensation", &["local"]),
 ];
 
 pub(crate) fn compensation(v: &Values) -> Result<Compensation, RecipeError> {
@@ -38,6 +50,20 @@ pub(crate) fn compensation(v: &Values) -> Result<Compensation, RecipeError> {
             };
             let arrival = if v.text("arrival") == "lights" { Arrival::Lights } else { Arrival::Path };
             Compensation::Point(Box::new(KolligKeller { steps, arrival }))
+        }
+        "screen-space" => {
+            if v.is_given("min-depth") && v.integer("min-depth")? > 1 {
+                return Err(RecipeError::Contrary(
+                    "compensation=screen-space takes what surfaces send from the image, which min-depth leaves incomplete: leave one out"
+                        .into(),
+                ));
+            }
+            let steps = if v.text("steps") == "none" { 2 } else { v.integer("steps")? as u32 };
+            Compensation::Frame(Box::new(ScreenSpace { steps, samples: v.integer("neighbours")? as u32 }))
+        }
+        "local" => {
+            let exact = v.text("visibility") == "exact";
+            Compensation::Frame(Box::new(LocalLights { tile: v.integer("tile")? as u32, exact }))
         }
         _ => Compensation::None,
     })
