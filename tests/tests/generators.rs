@@ -4,7 +4,7 @@
 //! Family-wise significance 0.01 by Holm within each verdict; seeds are fixed. What is printed says what would have been seen.
 
 use manylight_compensation::{Bound, BoundPlan};
-use manylight_framework::{Generator, Method, NoCompensation};
+use manylight_framework::{Compensation, Generator, Method};
 use manylight_integration::bounded_path::BoundedPath;
 use manylight_integration::rooms::{furnace, hollow_ball};
 use manylight_integration::{block_runs, effort, our_scene, recipe};
@@ -17,8 +17,8 @@ use manylight_vpl::{Emission, Keller, Points, Rejection, Vpl};
 
 /// Indirect light alone, with a bound that makes its variance finite.
 fn indirect(generator: Box<dyn Generator<Lights = Vec<Vpl>>>, bound: f32, max_edges: u32) -> impl Method {
-    let (bounding, compensator) = (BoundPlan::Fixed(bound), Box::new(NoCompensation));
-    ManyLights { generator, plan: All, kernel: Points, bounding, compensator, max_edges, min_edges: 3 }
+    let (bounding, compensation) = (BoundPlan::fixed(bound), Compensation::None);
+    ManyLights { generator, plan: All, kernel: Points, bounding, compensation, max_edges, min_edges: 3 }
 }
 fn keller(paths: u64) -> Keller {
     Keller { paths, max_edges: Some(12), certain_edges: 1, emission: Emission::Full }

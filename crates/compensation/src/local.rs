@@ -104,13 +104,21 @@ impl LocalLights {
             }
             let mut s = Stream::new(seed, [pass, places[by] as u64, 0], Purpose::FRAME);
             if let Some(light) = found(frame, pixel, by, probe, &mut s) {
-                self.light(frame, &pixels, &light, &mut sums, probe);
+                self.light(frame, &pixels, &light, &mut sums, probe, &mut s);
             }
         }
         sums
     }
     /// Adds what one light brings to the pixels of its tile.
-    fn light(&self, frame: &Frame, pixels: &[Option<&Pixel>], light: &Local, sums: &mut [Spectrum], probe: &mut Probe) {
+    fn light(
+        &self,
+        frame: &Frame,
+        pixels: &[Option<&Pixel>],
+        light: &Local,
+        sums: &mut [Spectrum],
+        probe: &mut Probe,
+        s: &mut Stream,
+    ) {
         let Some(maker) = pixels[light.by] else { return };
         let diffuse = diffuse_towards(&light.y, maker);
         // (pixel, f G lost throughput, density of its own step x lost), of those who can have made this light.
@@ -125,7 +133,7 @@ impl LocalLights {
             if j != light.by && self.exact {
                 probe.shadow_rays += 1;
                 let edge = Edge::Between(pixel.vertex.end(), light.y.end());
-                if frame.scene.transmittance(&edge).is_black() {
+                if frame.scene.transmittance(&edge, s).is_black() {
                     continue;
                 }
             }

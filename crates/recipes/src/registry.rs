@@ -186,7 +186,7 @@ mod tests {
             |name: &str, value: &str| Values::new(ir, &[(name.into(), value.into())]).err().unwrap().to_string();
         assert!(error("pathes", "3").contains("did you mean `paths`?"));
         assert_eq!(error("paths", "0"), "paths=0: expected a whole number from 1 to 16777216");
-        assert_eq!(error("bound", "-1"), "bound=-1: expected a positive number, `none` or `auto`");
+        assert_eq!(error("bound", "-1"), "bound=-1: expected a positive number, `none` or `auto` or `progressive`");
         assert!(error("zzz", "1").contains("`manylight list instant-radiosity` shows all"));
         assert_eq!(
             error("samples", "3"),

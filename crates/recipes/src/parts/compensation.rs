@@ -5,6 +5,7 @@ use crate::params::{Kind, Param};
 use crate::values::Values;
 use manylight_compensation::{Arrival, KolligKeller, LocalLights, ScreenSpace};
 use manylight_framework::Compensation;
+use manylight_scene::Scene;
 
 pub(crate) const PARAMS: &[Param] = &[
     Param::new(
@@ -17,7 +18,7 @@ pub(crate) const PARAMS: &[Param] = &[
         "steps",
         Kind::IntegerOr { min: 1, max: 1 << 16, words: &["none"] },
         "none",
-        "residual steps at most; `none`: no limit, unbiased (screen-space: 2)",
+        "residual steps at most; `none`: no limit, unbiased (screen-space: 4)",
     )
     .part_of("compensation", &["kollig-keller", "screen-space"]),
     Param::new(
@@ -41,8 +42,14 @@ pub(crate) const PARAMS: &[Param] = &[
     .part_of("compensation", &["local"]),
 ];
 
-pub(crate) fn compensation(v: &Values) -> Result<Compensation, RecipeError> {
-    Ok(match v.text("compensation") {
+pub(crate) fn compensation(v: &Values, scene: &Scene) -> Result<Compensation, RecipeError> {
+    let name = v.text("compensation");
+    if name != "none" && scene.has_media() {
+        return Err(RecipeError::Contrary(format!(
+            "compensation={name} is for surfaces, and the scene has media: say compensation=none"
+        )));
+    }
+    Ok(match name {
         "kollig-keller" => {
             let steps = match v.text("steps") {
                 "none" => None,
@@ -58,7 +65,7 @@ pub(crate) fn compensation(v: &Values) -> Result<Compensation, RecipeError> {
                         .into(),
                 ));
             }
-            let steps = if v.text("steps") == "none" { 2 } else { v.integer("steps")? as u32 };
+            let steps = if v.text("steps") == "none" { 4 } else { v.integer("steps")? as u32 };
             Compensation::Frame(Box::new(ScreenSpace { steps, samples: v.integer("neighbours")? as u32 }))
         }
         "local" => {

@@ -118,6 +118,6 @@ where
     ManyLights<Vec<L>, P, K, BoundPlan>: Method,
 {
     let (min_edges, max_edges) = v.depths(scene)?;
-    let (bounding, compensation) = (bound::plan(v)?, compensation::compensation(v)?);
+    let (bounding, compensation) = (bound::plan(v)?, compensation::compensation(v, scene)?);
     Ok(Box::new(ManyLights { generator, plan, kernel, bounding, compensation, max_edges, min_edges }))
 }
