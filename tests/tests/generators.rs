@@ -4,13 +4,14 @@
 //! Family-wise significance 0.01 by Holm within each verdict; seeds are fixed. What is printed says what would have been seen.
 
 use manylight_compensation::{Bound, BoundPlan};
-use manylight_framework::{Compensation, Generator, Method};
+use manylight_framework::{Batch, Claim, Compensation, GenerateError, Generator, Method, Probe, Promise};
 use manylight_integration::bounded_path::BoundedPath;
 use manylight_integration::rooms::{furnace, hollow_ball};
 use manylight_integration::{block_runs, effort, our_scene, recipe};
 use manylight_light_list::All;
 use manylight_many_lights::ManyLights;
 use manylight_math::Spectrum;
+use manylight_metropolis_ir::{Metropolis, Start};
 use manylight_scene::Scene;
 use manylight_stats::{BlockTest, Reference, Runs, Verdict};
 use manylight_vpl::{Emission, Keller, Points, Rejection, Vpl};
@@ -38,7 +39,10 @@ const SCENES: &[Case] = &[
     ("ajar", (16, 10), 1.0, 2048, 96, 1),
 ];
 /// Methods with what they are given besides.
-const METHODS: &[(&str, &[&str])] = &[("rejection", &["importons=64", "importance-rays=8", "selectivity=4"])];
+const METHODS: &[(&str, &[&str])] = &[
+    ("rejection", &["importons=64", "importance-rays=8", "selectivity=4"]),
+    ("metropolis-ir", &["importons=64", "importance-rays=8", "bootstrap=256", "chains=16", "tries=2"]),
+];
 
 #[test]
 fn they_bring_what_the_bounded_path_tracer_brings() {
@@ -81,6 +85,43 @@ fn what_is_rejected_is_made_up_for_by_what_is_kept() {
     // The liar: lights that no point saw are lost.
     let v = against(blind);
     assert!(v.rejected(), "without a floor: {v}");
+}
+
+#[test]
+fn chains_need_their_starting_weight_and_their_normalisation() {
+    let scene = our_scene("ajar", (16, 10));
+    let truth =
+        block_runs(&scene, &BoundedPath { bounding: Bound::Geometry(1.0), max_edges: 12 }, 128, 12, effort(64), 1);
+    // Chains of four steps: they hardly leave where they started.
+    let own =
+        Metropolis { chains: 64, bootstrap: 256, points: 64, rays: 8, large: 0.2, ..Metropolis::new(keller(256)) };
+    let against = |g: Box<dyn Generator<Lights = Vec<Vpl>>>| {
+        verdict(&block_runs(&scene, &indirect(g, 1.0, 12), 1, 29, effort(96), 1), Reference::Runs(&truth))
+    };
+    let v = against(Box::new(own));
+    println!("chains of four steps: {v}");
+    assert!(v.passes(), "{v}");
+    let v = against(Box::new(Metropolis { start: Start::Uniform, ..own }));
+    assert!(v.rejected(), "chains that start anywhere: {v}");
+    let v = against(Box::new(Unnormalised(own)));
+    assert!(v.rejected(), "over the lights instead of the steps: {v}");
+}
+
+/// The liar that divides by the lights, of which a chain that stands still leaves one, instead of the steps.
+struct Unnormalised(Metropolis);
+impl Promise for Unnormalised {
+    fn claim(&self) -> Claim {
+        self.0.claim()
+    }
+}
+impl Generator for Unnormalised {
+    type Lights = Vec<Vpl>;
+    fn generate(&self, s: &Scene, pass: u64, seed: u64, p: &mut Probe) -> Result<Batch<Vec<Vpl>>, GenerateError> {
+        let mut batch = self.0.generate(s, pass, seed, p)?;
+        let wrong = batch.paths as f32 / batch.lights.len() as f32;
+        batch.lights.iter_mut().for_each(|l| l.flux *= wrong);
+        Ok(batch)
+    }
 }
 
 #[test]

@@ -75,6 +75,14 @@ static METHODS: &[MethodInfo] = &[
         compose: parts::many_lights,
     },
     MethodInfo {
+        name: "metropolis-ir",
+        summary: "virtual point lights that Markov chains put where they bring the camera something",
+        paper: "Segovia, Iehl and Peroche 2007, Metropolis instant radiosity",
+        own: MANY_LIGHTS,
+        presets: &[("generator", "metropolis"), ("paths", "1024")],
+        compose: parts::many_lights,
+    },
+    MethodInfo {
         name: "many-lights",
         summary: "any composition of generator, light set, kernel, bound and compensation",
         paper: "Dachsbacher et al. 2014, Scalable realistic rendering with many-light methods",

@@ -13,5 +13,5 @@ mod table2d;
 pub mod warp;
 
 pub use discrete::{AliasTable, Cdf};
-pub use stream::{Purpose, Stream};
+pub use stream::{Numbers, Purpose, Stream};
 pub use table2d::Table2d;

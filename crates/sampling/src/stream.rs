@@ -6,6 +6,8 @@ use manylight_math::Vec2;
 use rand::TryRng;
 use rand::rand_core::utils::fill_bytes_via_next_word;
 use std::convert::Infallible;
+use std::fmt;
+use std::sync::Arc;
 
 /// What a stream is drawn for. Streams of different purposes never share a number, so that one part of a method can be
 /// changed without moving the random numbers of another.
@@ -25,6 +27,8 @@ impl Purpose {
     pub const TEST: Purpose = Purpose(4);
     /// What a light would bring to the camera, and whether it is kept.
     pub const IMPORTANCE: Purpose = Purpose(5);
+    /// Steps of Markov chains.
+    pub const CHAINS: Purpose = Purpose(6);
 }
 
 /// A stream of uniform numbers that is a pure function of (seed, place, purpose): whatever the threads, tiles and order of
@@ -43,10 +47,22 @@ impl Purpose {
 /// order.shuffle(&mut stream);
 /// assert!((1..=6).contains(&die));
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Stream {
     key: u64,
     counter: u64,
+    /// What the numbers are instead, where someone else says so.
+    given: Option<Numbers>,
+}
+
+/// The n-th number of a stream, from 0 on: 64 uniform bits.
+pub type Numbers = Arc<dyn Fn(u64) -> u64 + Send + Sync>;
+
+impl fmt::Debug for Stream {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let given = self.given.is_some();
+        f.debug_struct("Stream").field("key", &self.key).field("drawn", &self.counter).field("given", &given).finish()
+    }
 }
 
 impl Stream {
@@ -54,12 +70,29 @@ impl Stream {
     pub fn new(seed: u64, at: [u64; 3], purpose: Purpose) -> Self {
         // Were `x` mixed before it is added, seed and pass would be interchangeable: mix(seed) ^ mix(pass).
         let key = at.iter().chain([&purpose.0]).fold(mix(seed), |h, &x| mix(h ^ x));
-        Stream { key, counter: 0 }
+        Stream { key, counter: 0, given: None }
+    }
+    /// A stream of given numbers, drawn in order: a path becomes a function of them, that one can perturb (Metropolis sampling
+    /// in the space of primary samples). Both halves of a number are used by `next_2d`, the upper one before the lower.
+    pub fn of(numbers: Numbers) -> Self {
+        Stream { key: 0, counter: 0, given: Some(numbers) }
     }
     /// 64 uniform bits.
     pub fn next_u64(&mut self) -> u64 {
+        let number = self.nth(self.counter);
         self.counter += 1;
-        mix(self.key ^ mix(self.counter))
+        number
+    }
+    /// The n-th number, from 0 on, without drawing it.
+    pub fn nth(&self, n: u64) -> u64 {
+        match &self.given {
+            None => mix(self.key ^ mix(n + 1)),
+            Some(numbers) => numbers(n),
+        }
+    }
+    /// How many numbers have been drawn.
+    pub fn drawn(&self) -> u64 {
+        self.counter
     }
     /// Uniform in [0, 1), 24 bits.
     pub fn next_f32(&mut self) -> f32 {
@@ -153,6 +186,16 @@ mod tests {
     fn the_numbers_are_these_for_good() {
         let mut s = Stream::new(1, [2, 3, 4], Purpose::TEST);
         assert_eq!([(); 3].map(|()| s.next_u64()), [18297004953243371522, 14460950057096645786, 16302398736872535320]);
+    }
+    #[test]
+    fn a_stream_of_given_numbers_draws_them_in_order() {
+        let place = Stream::new(3, [1, 2, 3], Purpose::TEST);
+        let mut drawn = place.clone();
+        let numbers: Vec<u64> = (0..5).map(|_| drawn.next_u64()).collect();
+        assert_eq!(numbers, (0..5).map(|n| place.nth(n)).collect::<Vec<_>>());
+        let mut given = Stream::of(Arc::new(move |n| place.nth(n) ^ 1));
+        assert_eq!((0..5).map(|_| given.next_u64() ^ 1).collect::<Vec<_>>(), numbers);
+        assert_eq!((drawn.drawn(), given.drawn()), (5, 5));
     }
     #[test]
     fn rand_sees_the_numbers_of_the_stream() {

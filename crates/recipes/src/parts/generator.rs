@@ -4,15 +4,17 @@ use crate::params::{Kind, Param, WHOLE};
 use crate::values::Values;
 use crate::{RecipeError, parts::direct};
 use manylight_framework::Generator;
+use manylight_metropolis_ir::Metropolis;
 use manylight_scene::Scene;
 use manylight_vpl::{Emission, Emitters, Keller, NoLights, Rejection, Sum, Vpl};
 
 pub(crate) const PARAMS: &[Param] = &[
     Param::new(
         "generator",
-        Kind::Sum(&["keller", "rejection", "emitters"]),
+        Kind::Sum(&["keller", "rejection", "metropolis", "emitters"]),
         "keller",
-        "where the virtual lights come from; `rejection`: those that bring the camera something; `emitters`: points of the \
+        "where the virtual lights come from; `rejection`: those that bring the camera something; `metropolis`: \
+         Markov chains look for such; `emitters`: points of the \
          emitters, for direct light",
     ),
     Param::new("paths", Kind::Integer { min: 1, max: 1 << 24 }, "64", "light paths a pass"),
@@ -54,14 +56,37 @@ pub(crate) const PARAMS: &[Param] = &[
         "a light is kept with its importance over so many times the mean one: the larger, the fewer and the more alike",
     )
     .part_of("generator", &["rejection"]),
+    Param::new("chains", Kind::Integer { min: 1, max: 1 << 20 }, "64", "independent chains, which share the steps: `paths`")
+        .part_of("generator", CHAINS),
+    Param::new(
+        "bootstrap",
+        Kind::Integer { min: 1, max: 1 << 24 },
+        "4096",
+        "independent light paths that chains start from, and that say how much light there is",
+    )
+    .part_of("generator", CHAINS),
+    Param::new("tries", Kind::Integer { min: 1, max: 1 << 10 }, "1", "tries of a small step, of which one is proposed")
+        .part_of("generator", CHAINS),
+    Param::new("large-steps", Kind::Number { min: 0.0, max: 1.0 }, "0.3", "share of steps to a new path")
+        .part_of("generator", CHAINS),
+    Param::new(
+        "camera-steps",
+        Kind::Number { min: 0.0, max: 1.0 },
+        "0.1",
+        "share of steps that weigh the same path by other points of the image",
+    )
+    .part_of("generator", CHAINS),
 ];
 
 /// Generators of indirect light: each brings all of it.
-const INDIRECT: &[&str] = &["keller", "rejection"];
+const INDIRECT: &[&str] = &["keller", "rejection", "metropolis"];
 /// Those that weigh lights by what they bring to the camera.
-const WEIGHING: &[&str] = &["rejection"];
+const WEIGHING: &[&str] = &["rejection", "metropolis"];
 
 pub(crate) type Vpls = Box<dyn Generator<Lights = Vec<Vpl>>>;
+
+/// Those that walk chains.
+const CHAINS: &[&str] = &["metropolis"];
 
 /// The generator, or the sum of several.
 pub(crate) fn vpls(v: &Values, scene: &Scene) -> Result<Vpls, RecipeError> {
@@ -92,7 +117,28 @@ fn one(name: &str, v: &Values, scene: &Scene) -> Result<Vpls, RecipeError> {
             selectivity: v.number("selectivity")?,
             floor: v.number("importance-floor")?,
         }),
+        "metropolis" => Box::new(metropolis(v, scene)?),
         _ => Box::new(keller(v, scene)?),
+    })
+}
+
+fn metropolis(v: &Values, scene: &Scene) -> Result<Metropolis, RecipeError> {
+    let (large, camera) = (v.number("large-steps")?, v.number("camera-steps")?);
+    if large + camera > 1.0 {
+        return Err(RecipeError::Contrary(format!(
+            "large-steps={large} and camera-steps={camera} are more than all steps: their sum is 1 at most"
+        )));
+    }
+    Ok(Metropolis {
+        chains: v.integer("chains")? as u32,
+        bootstrap: v.integer("bootstrap")?,
+        points: v.integer("importons")? as u32,
+        rays: v.integer("importance-rays")? as u32,
+        floor: v.number("importance-floor")?,
+        tries: v.integer("tries")? as u32,
+        large,
+        camera,
+        ..Metropolis::new(keller(v, scene)?)
     })
 }
 
