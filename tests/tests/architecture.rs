@@ -15,7 +15,7 @@ const FLOORS: &[(u32, &[&str])] = &[
     (4, &["scene"]),
     (5, &["framework", "scene-io"]),
     (6, &["vpl", "compensation", "light-list", "light-tree", "many-lights", "reference", "render"]),
-    (7, &["metropolis-ir"]),
+    (7, &["metropolis-ir", "vsl"]),
     (RECIPES, &["recipes", "report"]),
     (9, &["cli"]),
     (10, &["manylight"]),
@@ -38,6 +38,7 @@ const NEVER: &[(&str, &[&str], &str)] = &[
         "a light set asks questions: it sees no scene, no shape and no material",
     ),
     ("vpl", &["light-list", "light-tree"], "a kernel does not know who asks it"),
+    ("vsl", &["light-list", "light-tree"], "a kernel does not know who asks it"),
     ("stats", &["math", "sampling", "scene", "framework"], "the judge knows no renderer"),
 ];
 

@@ -91,6 +91,14 @@ static METHODS: &[MethodInfo] = &[
         compose: parts::many_lights,
     },
     MethodInfo {
+        name: "vsl",
+        summary: "virtual spherical lights: each spread over a radius, for glossy scenes",
+        paper: "Hasan, Krivanek, Walter and Bala 2009, Virtual spherical lights for many-light rendering of glossy scenes",
+        own: MANY_LIGHTS,
+        presets: &[("kernel", "sphere"), ("paths", "256"), ("bound", "none")],
+        compose: parts::many_lights,
+    },
+    MethodInfo {
         name: "path",
         summary: "path tracing with next-event estimation and multiple importance sampling: the yardstick",
         paper: "Kajiya 1986, The rendering equation; Veach and Guibas 1995, Optimally combining sampling techniques",

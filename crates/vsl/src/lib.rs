@@ -11,7 +11,7 @@
 //! use manylight_vsl::cone_kernel;
 //! // What stands in the place of 1 / d^2: nearly that from afar, never above 2 / r^2.
 //! assert!((cone_kernel(100.0, 0.1) * 1e4 - 1.0).abs() < 1e-6);
-//! assert_eq!(cone_kernel(0.0, 0.1), 200.0);
+//! assert_eq!(cone_kernel(0.0, 0.5), 8.0);
 //! ```
 
 mod cluster;
