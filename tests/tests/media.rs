@@ -233,6 +233,8 @@ fn ray_lights_in_fog_are_the_path_tracer() {
     for more in [&["rays=long"][..], &["lights=power", "samples=32"]] {
         agree("fog", &scene, ("vrl", &[&["min-depth=3", "paths=64"], more].concat(), 64), path);
     }
+    let direct = ["max-depth=2", "paths=64", "direct=virtual"];
+    agree("fog", &scene, ("vrl", &direct, 64), ("path", &["max-depth=2", "spp=64"], 64));
 }
 
 #[test]

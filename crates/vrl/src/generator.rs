@@ -5,7 +5,7 @@ use manylight_framework::{Batch, Claim, GenerateError, Generator, PathClasses, P
 use manylight_math::{Ray, Spectrum};
 use manylight_sampling::{Purpose, Stream};
 use manylight_scene::{Flight, Medium, MediumPoint, Mode, Scatter, Scene, Span, Vertex};
-use manylight_vpl::{Vpl, walk_all};
+use manylight_vpl::{Emitters, Vpl, walk_all};
 
 /// Where a ray light ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,8 +16,8 @@ pub enum Extent {
     Long,
 }
 
-/// Walks N light paths: their edges in media become ray lights, their vertices on surfaces point lights. Indirect light only;
-/// light scattered once in a medium is direct.
+/// Walks N light paths: their edges in media become ray lights, their vertices on surfaces point lights. Indirect light only
+/// (light scattered once in a medium is direct), unless points of the emitters are drawn too.
 #[derive(Clone, Copy, Debug)]
 pub struct RayWalk {
     /// N.
@@ -28,6 +28,8 @@ pub struct RayWalk {
     pub certain_edges: u32,
     /// Where ray lights end.
     pub extent: Extent,
+    /// Also draws N points of the emitters, for direct light.
+    pub emitters: bool,
 }
 
 /// From this edge on the roulette never lets everything through, so that a walk ends even in white fog.
@@ -67,7 +69,10 @@ impl Generator for RayWalk {
                 Light::Ray(l) => rays.push(l),
             }
         }
-        Ok(Batch { lights: (points, rays), paths: self.paths, covers_direct: false })
+        if self.emitters {
+            points.extend(Emitters { paths: self.paths }.generate(scene, pass, seed, probe)?.lights);
+        }
+        Ok(Batch { lights: (points, rays), paths: self.paths, covers_direct: self.emitters })
     }
 }
 

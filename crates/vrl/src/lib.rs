@@ -12,7 +12,7 @@
 //! ```
 //! use manylight_framework::Promise;
 //! use manylight_vrl::{Extent, RayWalk};
-//! let walk = RayWalk { paths: 64, max_edges: None, certain_edges: 1, extent: Extent::Short };
+//! let walk = RayWalk { paths: 64, max_edges: None, certain_edges: 1, extent: Extent::Short, emitters: false };
 //! assert!(walk.claim().is_unbiased());
 //! ```
 

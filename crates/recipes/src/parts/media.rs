@@ -52,6 +52,12 @@ const RAYS: &[Param] = &[
         "largest geometry term cos cos / d^2 between the points of a pair",
     )
     .unit("1/m^2"),
+    Param::new(
+        "direct",
+        Kind::Choice(&["sampled", "virtual"]),
+        "sampled",
+        "direct light by sampling the emitters, or by virtual lights on them",
+    ),
 ];
 
 /// Of `vrl`.
@@ -75,6 +81,7 @@ where
         paths: v.integer("paths")?,
         max_edges: (max_edges != u32::MAX).then_some(max_edges),
         certain_edges: v.integer("rr-depth")? as u32,
+        emitters: v.text("direct") == "virtual",
         extent: if v.text("rays") == "long" { Extent::Long } else { Extent::Short },
     });
     let bounding = match v.text("bound") {
