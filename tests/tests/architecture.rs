@@ -15,7 +15,7 @@ const FLOORS: &[(u32, &[&str])] = &[
     (4, &["scene"]),
     (5, &["framework", "scene-io"]),
     (6, &["vpl", "compensation", "light-list", "light-tree", "many-lights", "reference", "render"]),
-    (7, &["metropolis-ir", "vsl"]),
+    (7, &["metropolis-ir", "vrl", "vsl"]),
     (RECIPES, &["recipes", "report"]),
     (9, &["cli"]),
     (10, &["manylight"]),

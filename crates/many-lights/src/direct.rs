@@ -1,5 +1,6 @@
 //! Direct light at a vertex, by sampling.
 
+use crate::in_media::up_to;
 use manylight_framework::{Bounding, Pair, Probe};
 use manylight_math::Spectrum;
 use manylight_sampling::Stream;
@@ -75,7 +76,10 @@ fn from_bsdf(scene: &Scene, x: &Vertex, share: Share, probe: &mut Probe, s: &mut
     }
     let emitters = scene.emitters();
     probe.path_rays += 1;
-    let (emitted, light_pdf, part) = match scene.intersect(&x.leave(next.dir), Mode::Radiance) {
+    let ray = x.leave(next.dir);
+    let met = scene.intersect(&ray, Mode::Radiance);
+    let through = scene.through(&up_to(&ray, met.as_ref()), s);
+    let (emitted, light_pdf, part) = match met {
         Some(y) => match (y.emitter(), y.normal()) {
             (Some(emitter), Some(n)) if !y.emitted().is_black() => {
                 let (d2, cosine) = ((y.p - x.p).length_squared(), n.dot(next.dir).abs());
@@ -89,5 +93,5 @@ fn from_bsdf(scene: &Scene, x: &Vertex, share: Share, probe: &mut Probe, s: &mut
     if emitted.is_black() {
         return Spectrum::BLACK;
     }
-    next.weight * emitted * (part * power_heuristic(next.pdf, light_pdf))
+    next.weight * emitted * through * (part * power_heuristic(next.pdf, light_pdf))
 }

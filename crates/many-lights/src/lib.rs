@@ -9,10 +9,14 @@
 //!
 //! See `ManyLights` for the parts, and the crate `manylight-recipes` for the named compositions.
 
+mod along;
 mod direct;
 mod frame;
 mod further;
+mod in_media;
 mod many_lights;
 
+pub use along::direct_along;
 pub use direct::{direct_light, lost_direct_light};
+pub use in_media::{Along, InMedia, Sampled, Segment, Whole};
 pub use many_lights::{ManyLights, Prepared};

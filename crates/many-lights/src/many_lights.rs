@@ -2,6 +2,7 @@
 
 use crate::frame;
 use crate::further::Further;
+use crate::in_media::up_to;
 use crate::{direct_light, lost_direct_light};
 use manylight_framework::{
     Bounding, BoundingPlan, Claim, Compensation, Depth, Film, Gather, Generator, Integrator, KeepNothing, LightSet,
@@ -38,6 +39,9 @@ pub struct Prepared<S, B> {
     pub(crate) covers_direct: bool,
 }
 
+/// What media along a ray scatter into it, and what they let through; after so many edges from the eye.
+type Media<'m> = dyn FnMut(&Ray, u32, &mut Probe, &mut Stream) -> (Spectrum, Spectrum) + 'm;
+
 /// From this edge on a chain of delta lobes is ended by Russian roulette (in glass, total reflection may go on for ever).
 const CERTAIN_EDGES: u32 = 8;
 const SURVIVAL: f32 = 0.95;
@@ -51,6 +55,50 @@ where
 {
     pub(crate) fn counts(&self, edges: u32) -> bool {
         (self.min_edges..=self.max_edges).contains(&edges)
+    }
+    /// Walks from the eye through delta lobes until the first vertex that scatters.
+    pub(crate) fn walk(
+        &self,
+        scene: &Scene,
+        p: &Prepared<P::Set, B::Pass>,
+        ray: &Ray,
+        media: &mut Media,
+        probe: &mut Probe,
+        s: &mut Stream,
+    ) -> Spectrum {
+        let (mut ray, mut throughput, mut sum) = (*ray, Spectrum::ONE, Spectrum::BLACK);
+        for edges in 1..=self.max_edges {
+            if edges > 1 {
+                probe.path_rays += 1;
+            }
+            let x = scene.intersect(&ray, Mode::Radiance);
+            let (scattered, through) = media(&up_to(&ray, x.as_ref()), edges, probe, s);
+            sum += throughput * scattered;
+            throughput *= through;
+            let Some(x) = x else {
+                if self.counts(edges) {
+                    sum += throughput * scene.environment(ray.dir);
+                }
+                break;
+            };
+            if self.counts(edges) {
+                sum += throughput * x.emitted();
+            }
+            sum += throughput * self.outgoing(scene, p, &x, Depth { edges, level: 0 }, probe, s);
+            // Everything but the delta lobes has been gathered: walk on through those alone.
+            let Some(next) = x.sample(s.next_f32(), s.next_2d()).filter(|n| n.delta) else { break };
+            throughput *= next.weight;
+            if throughput.is_black() {
+                break;
+            }
+            let survival = if edges < CERTAIN_EDGES { 1.0 } else { throughput.largest().min(SURVIVAL) };
+            if !(s.next_f32() < survival) {
+                break;
+            }
+            throughput *= 1.0 / survival;
+            ray = x.leave(next.dir);
+        }
+        sum
     }
     /// What leaves `x` without its emission: direct light, what the lights bring, and what the bounding took away.
     pub(crate) fn outgoing(
@@ -124,35 +172,7 @@ where
     }
 
     fn radiance(&self, scene: &Scene, p: &Self::Prepared, ray: &Ray, probe: &mut Probe, s: &mut Stream) -> Spectrum {
-        let (mut ray, mut throughput, mut sum) = (*ray, Spectrum::ONE, Spectrum::BLACK);
-        for edges in 1..=self.max_edges {
-            if edges > 1 {
-                probe.path_rays += 1;
-            }
-            let Some(x) = scene.intersect(&ray, Mode::Radiance) else {
-                if self.counts(edges) {
-                    sum += throughput * scene.environment(ray.dir);
-                }
-                break;
-            };
-            if self.counts(edges) {
-                sum += throughput * x.emitted();
-            }
-            sum += throughput * self.outgoing(scene, p, &x, Depth { edges, level: 0 }, probe, s);
-            // Everything but the delta lobes has been gathered: walk on through those alone.
-            let Some(next) = x.sample(s.next_f32(), s.next_2d()).filter(|n| n.delta) else { break };
-            throughput *= next.weight;
-            if throughput.is_black() {
-                break;
-            }
-            let survival = if edges < CERTAIN_EDGES { 1.0 } else { throughput.largest().min(SURVIVAL) };
-            if !(s.next_f32() < survival) {
-                break;
-            }
-            throughput *= 1.0 / survival;
-            ray = x.leave(next.dir);
-        }
-        sum
+        self.walk(scene, p, ray, &mut |_, _, _, _| (Spectrum::BLACK, Spectrum::ONE), probe, s)
     }
 
     fn render_pass(&self, scene: &Scene, p: &Self::Prepared, film: &mut Film, probe: &mut Probe) {

@@ -3,6 +3,7 @@
 use crate::{HenyeyGreenstein, Homogeneous};
 use manylight_math::{Ray, Spectrum, Vec3};
 use manylight_sampling::Stream;
+use manylight_sampling::along::Exponential;
 
 /// Where a flight through a medium ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +61,30 @@ impl Medium {
         match self {
             Medium::Homogeneous(m) => m.scattering,
         }
+    }
+    /// Mean of the channels' extinction, for densities. [1/m]
+    pub fn extinction_mean(&self) -> f64 {
+        match self {
+            Medium::Homogeneous(m) => f64::from(m.extinction.mean()),
+        }
+    }
+    /// How far it takes until every channel that scatters has this optical depth; infinite if nothing takes it there. \[m\]
+    pub fn depth(&self, optical: f32) -> f32 {
+        match self {
+            Medium::Homogeneous(m) => {
+                let (s, t) = (m.scattering.to_array(), m.extinction.to_array());
+                let thinnest = (0..3).filter(|c| s[*c] > 0.0).map(|c| t[c]).fold(f32::INFINITY, f32::min);
+                optical / thinnest
+            }
+        }
+    }
+    /// A collision on a ray up to its `t_max`, conditioned on there being one: where, and sigma_s T / pdf. `None` if it scatters
+    /// nothing there.
+    pub fn collide(&self, ray: &Ray, s: &mut Stream) -> Option<(f32, Spectrum)> {
+        let by = Exponential::new(self.extinction_mean(), f64::from(ray.t_max));
+        let t = by.sample(s.next_f64());
+        let weight = self.scattering(ray.at(t as f32)) * self.transmittance(ray, 0.0, t as f32, s);
+        (!weight.is_black()).then(|| (t as f32, weight * (1.0 / by.pdf(t)) as f32))
     }
     /// An estimate of T between two distances of a ray; exact where there is a closed form, and then nothing is drawn.
     pub fn transmittance(&self, _ray: &Ray, from: f32, to: f32, _s: &mut Stream) -> Spectrum {

@@ -2,7 +2,7 @@
 
 use crate::error::near;
 use crate::params::{COMMON, PATH};
-use crate::parts::MANY_LIGHTS;
+use crate::parts::{MANY_LIGHTS, media};
 use crate::values::Values;
 use crate::{Param, RecipeError, parts, yardsticks};
 use manylight_framework::{Claim, Method, PathClasses};
@@ -99,6 +99,22 @@ static METHODS: &[MethodInfo] = &[
         compose: parts::many_lights,
     },
     MethodInfo {
+        name: "media-vpl",
+        summary: "virtual point lights on surfaces and at collisions in media, gathered along the camera's ray too",
+        paper: "Raab, Seibert and Keller 2008, Unbiased global illumination with participating media",
+        own: media::MEDIA_VPL,
+        presets: &[],
+        compose: media::vpls,
+    },
+    MethodInfo {
+        name: "vrl",
+        summary: "the edges of light paths in media as ray lights, joined to the camera's ray by sampling both at once",
+        paper: "Novak, Nowrouzezahrai, Dachsbacher and Jarosz 2012, Virtual ray lights for rendering scenes with participating media",
+        own: media::VRL,
+        presets: &[],
+        compose: media::rays,
+    },
+    MethodInfo {
         name: "path",
         summary: "path tracing with next-event estimation and multiple importance sampling: the yardstick",
         paper: "Kajiya 1986, The rendering equation; Veach and Guibas 1995, Optimally combining sampling techniques",
@@ -109,7 +125,7 @@ static METHODS: &[MethodInfo] = &[
 ];
 
 /// Methods that scatter in media; the others would leave out what media take and give.
-const IN_MEDIA: &[&str] = &["path"];
+const IN_MEDIA: &[&str] = &["path", "media-vpl", "vrl"];
 
 impl MethodInfo {
     /// Its parameters.

@@ -7,6 +7,7 @@
 //! assert!(w.z >= 0.0 && (warp::cosine_hemisphere_pdf(w) - w.z / std::f32::consts::PI).abs() < 1e-7);
 //! ```
 
+pub mod along;
 mod discrete;
 mod stream;
 mod table2d;

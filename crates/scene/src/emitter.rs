@@ -2,7 +2,7 @@
 
 use crate::media::Media;
 use crate::vertex::{EmitterPoint, Scatter, Vertex};
-use crate::{Environment, Source, Texture};
+use crate::{Camera, Environment, Source, Texture};
 use manylight_geometry::{Geometry, ShapeGeometry, offset_from};
 use manylight_math::{Frame, INV_4PI, INV_PI, MediumId, Ray, Spectrum, Vec2, Vec3};
 use manylight_sampling::{AliasTable, Stream, warp};
@@ -151,12 +151,13 @@ impl Emitters {
         let pick = AliasTable::new(powers.iter().copied());
         (Emitters { samplers, pick, world, environment, powers }, of_shape)
     }
-    /// What each emitter's light starts in: as its shape says, else as the nearest surface that parts media says.
-    pub(crate) fn media(&self, media: &Media, geometry: &Geometry, camera: MediumId) -> Vec<MediumId> {
+    /// What each emitter's light starts in: as its shape says; else as the nearest surface says that parts media in front of it;
+    /// else what the way from the camera leads to.
+    pub(crate) fn media(&self, media: &Media, geometry: &Geometry, camera: &Camera) -> Vec<MediumId> {
         let parted = media.boundaries.is_some() || media.of_shape.iter().any(Option::is_some);
         // Where nothing parts media there is one, and it reaches to infinity.
-        let far = if parted { MediumId::VACUUM } else { camera };
-        let near = |p: Vec3, n: Vec3| media.around(geometry, p, n).unwrap_or(far);
+        let far = if parted { MediumId::VACUUM } else { camera.medium };
+        let near = |p: Vec3, n: Vec3| media.around(geometry, camera, p, n);
         let of = |sampler: &Sampler| match sampler {
             Sampler::Area { shape, triangles, .. } => media.of_shape[*shape as usize].map_or_else(
                 || {

@@ -1,5 +1,6 @@
 //! Where media are: which one a ray runs through, and where it changes.
 
+use crate::Camera;
 use crate::vertex::Sides;
 use manylight_geometry::{Geometry, GeometryError, ShapeGeometry, Surface};
 use manylight_math::{MediumId, Ray, Spectrum, Vec3};
@@ -96,16 +97,14 @@ impl Media {
     pub(crate) fn get(&self, id: MediumId) -> Option<&Medium> {
         id.index().map(|i| &self.list[i])
     }
-    /// The medium around a point, by the nearest surface along `dir` that parts media; `None` if there is none.
-    pub(crate) fn around(&self, shapes: &Geometry, p: Vec3, dir: Vec3) -> Option<MediumId> {
-        let ray = Ray::new(p, dir);
+    /// The medium at the start of a ray, by the nearest surface along it that parts media; `None` if there is none.
+    pub(crate) fn at_start(&self, shapes: &Geometry, ray: &Ray) -> Option<MediumId> {
         let mut nearest: Option<(f32, MediumId)> = None;
         let mut look = |geometry: &Geometry, sides: &dyn Fn(usize) -> Option<Sides>| {
-            geometry.every(&ray, |hit| {
+            geometry.every(ray, |hit| {
                 let Some(sides) = sides(hit.shape as usize) else { return };
                 if nearest.is_none_or(|(t, _)| hit.t < t) {
-                    let ng = geometry.surface(&ray, &hit).ng;
-                    nearest = Some((hit.t, sides.towards(Some(ng), -dir)));
+                    nearest = Some((hit.t, sides.towards(Some(geometry.surface(ray, &hit).ng), -ray.dir)));
                 }
             });
         };
@@ -114,6 +113,16 @@ impl Media {
             look(&b.geometry, &|i| Some(b.sides[i]));
         }
         nearest.map(|n| n.1)
+    }
+    /// The medium at a point that light leaves along `dir`: as the nearest surface in front says; else as the nearest on the way
+    /// back to the camera does, in sight or not; else the camera's.
+    pub(crate) fn around(&self, shapes: &Geometry, camera: &Camera, p: Vec3, dir: Vec3) -> MediumId {
+        let back = camera.origin - p;
+        let to_camera = || {
+            let ray = Ray { t_max: back.length(), ..Ray::new(p, back.try_normalize()?) };
+            self.at_start(shapes, &ray)
+        };
+        self.at_start(shapes, &Ray::new(p, dir)).or_else(to_camera).unwrap_or(camera.medium)
     }
     /// Shows each piece of (0, t_max) of a ray in its order until `visit` says false; the medium at the end.
     pub(crate) fn walk(&self, ray: &Ray, mut visit: impl FnMut(Run) -> bool) -> MediumId {

@@ -224,7 +224,7 @@ impl SceneBuilder {
             let mut of_shape = vec![None; shapes.len()];
             self.parts.iter().for_each(|(id, sides)| of_shape[id.0 as usize] = Some(*sides));
             let mut media = Media { list: self.media, boundaries, of_shape, of_emitter: Vec::new() };
-            media.of_emitter = emitters.media(&media, &geometry, camera.medium);
+            media.of_emitter = emitters.media(&media, &geometry, &camera);
             Some(Box::new(media))
         };
         let mut scene = Scene {
@@ -329,6 +329,10 @@ impl Scene {
             });
         }
         runs
+    }
+    /// What media let through along (0, t_max) of a ray, whatever stands between; drawn only where there is no closed form.
+    pub fn through(&self, ray: &Ray, s: &mut Stream) -> Spectrum {
+        self.media.as_ref().map_or(Spectrum::ONE, |media| media.transmittance(ray, s))
     }
     /// The first surface along a ray, as a vertex of an eye path or a light path. Media on the way change nothing: what they
     /// let through is `transmittance`, and `advance` scatters in them.

@@ -2,9 +2,10 @@
 
 use crate::Vpl;
 use manylight_framework::{Claim, Connection, Kernel, Pair, Promise};
-use manylight_math::Spectrum;
+use manylight_math::{Spectrum, Vec3};
 use manylight_sampling::Stream;
-use manylight_scene::{Edge, EmitterPoint, Scatter, Scene, Vertex};
+use manylight_sampling::along::Angular;
+use manylight_scene::{Edge, EmitterPoint, HenyeyGreenstein, Scatter, Scene, Span, Vertex};
 
 /// Points nearer than a femtometre count as coincident: 1 / d^2 would overflow, and a bound could not bring it back. [m^2]
 const COINCIDENT2: f32 = 1e-30;
@@ -48,5 +49,48 @@ impl Promise for Points {
 impl Kernel<Vertex, Vpl> for Points {
     fn connect(&self, _: &Scene, r: &Vertex, l: &Vpl, _: &mut Stream) -> Option<Connection> {
         connect_vertices(r, &l.vertex, l.flux)
+    }
+}
+
+/// Along a segment of the camera's ray, one point drawn per light: equiangular, and where lobes are not isotropic by a table of
+/// their product too. `None` where nothing can arrive.
+///
+/// L = int T(0,u) sigma_s(u) f_u G(u, y) f_y flux du, unbiased; the 1/d^2 of a light near the segment is left as 1/D.
+impl Kernel<Span, Vpl> for Points {
+    fn connect(&self, scene: &Scene, r: &Span, l: &Vpl, s: &mut Stream) -> Option<Connection> {
+        let medium = scene.medium(r.ray.medium)?;
+        let y = &l.vertex;
+        let (t, weight) = if let Scatter::Emitter(EmitterPoint::Distant { .. }) = y.scatter {
+            // No distance to go by: by the length alone.
+            (s.next_f64() * r.ray.t_max as f64, f64::from(r.ray.t_max))
+        } else {
+            let even = r.phase == HenyeyGreenstein::ISOTROPIC && is_even(y);
+            let mut along = Angular::new(&r.ray, y.p.as_dvec3())?;
+            if !even {
+                let lobe = |phi: f64| {
+                    let w = along.direction(phi).as_vec3();
+                    f64::from(r.phase.eval(-r.ray.dir, -w) * y.eval(w).luminance())
+                };
+                let axis =
+                    y.normal().unwrap_or_else(|| if let Scatter::Medium(m) = &y.scatter { -m.wi } else { Vec3::Z });
+                along = along.following(lobe, along.nearest(axis.as_dvec3()));
+            }
+            let drawn = along.sample(s.next_f64());
+            (drawn.t, drawn.inverse * (r.ray.at(drawn.t as f32) - y.p).as_dvec3().length_squared())
+        };
+        let t = t as f32;
+        let x = r.at(t, medium.scattering(r.ray.at(t)));
+        let through = medium.transmittance(&r.ray, 0.0, t, s);
+        let c = connect_vertices(&x, y, l.flux * through)?;
+        Some(Connection { value: c.value * weight as f32, ..c })
+    }
+}
+
+/// Does it send the same in all directions?
+fn is_even(y: &Vertex) -> bool {
+    match &y.scatter {
+        Scatter::Medium(m) => m.phase == HenyeyGreenstein::ISOTROPIC,
+        Scatter::Emitter(EmitterPoint::Isotropic) => true,
+        _ => false,
     }
 }

@@ -62,7 +62,9 @@ pub fn walk_along(scene: &Scene, s: &mut Stream, length: Length, probe: &mut Pro
             return;
         }
         probe.path_rays += 1;
-        let Some(vertex) = scene.intersect(&ray, Mode::Importance) else { return };
+        let (vertex, through) = scene.advance(&ray, Mode::Importance, flux, s);
+        let Some(vertex) = vertex else { return };
+        flux *= through;
         visit(Step { vertex, flux, edges });
         let Some(next) = vertex.sample(s.next_f32(), s.next_2d()) else { return };
         flux *= next.weight;

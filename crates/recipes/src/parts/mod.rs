@@ -9,6 +9,7 @@ mod direct;
 mod generator;
 mod kernel;
 mod lights;
+pub(crate) mod media;
 
 use crate::values::Values;
 use crate::{Param, RecipeError};

@@ -1,0 +1,181 @@
+//! The composite where there are media.
+
+use crate::many_lights::Prepared;
+use crate::{ManyLights, direct_along};
+use manylight_framework::{BoundingPlan, Claim, Gather, Integrator, LightSet, PassError, Plan, Probe, Promise};
+use manylight_math::{Ray, Spectrum};
+use manylight_sampling::Stream;
+use manylight_scene::{Scene, Span, Vertex};
+
+/// What a light set is asked with along the camera's ray.
+pub struct Along<'a, S, K, B> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The light set.
+    pub set: &'a S,
+    /// How light gets from a light to a receiver.
+    pub kernel: &'a K,
+    /// What is kept of it.
+    pub bounding: &'a B,
+    /// Edges that a path may still take, the connection included.
+    pub edges_left: u32,
+    /// Lights of fewer edges than this are left out.
+    pub edges_least: u32,
+}
+
+/// How the lights are gathered along a segment of the camera's ray: it bounds the set by what it asks of a receiver.
+pub trait Segment<S, K, B>: Promise + Send + Sync {
+    /// What the segment scatters of the lights, as seen from its beginning. [W/(m^2 sr)]
+    fn gather(&self, span: &Span, at: &Along<S, K, B>, probe: &mut Probe, s: &mut Stream) -> Spectrum;
+}
+
+/// The receiver is the whole segment: each light finds its own points on it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Whole;
+impl Promise for Whole {
+    fn claim(&self) -> Claim {
+        Claim::UNBIASED
+    }
+}
+impl<S, K, B> Segment<S, K, B> for Whole
+where
+    S: for<'g> LightSet<Gather<'g, Span, K, B>>,
+{
+    fn gather(&self, span: &Span, at: &Along<S, K, B>, probe: &mut Probe, s: &mut Stream) -> Spectrum {
+        let Along { scene, set, kernel, bounding, edges_left, edges_least } = *at;
+        set.radiance(&mut Gather { scene, receiver: span, kernel, bounding, edges_left, edges_least, probe }, s)
+    }
+}
+
+/// Receivers are points of the segment, drawn by free flight: for sets that know receivers with a position alone. Lights next
+/// to such a point are as bright as 1/d^2.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampled {
+    /// How many; at least one.
+    pub points: u32,
+}
+impl Promise for Sampled {
+    fn claim(&self) -> Claim {
+        Claim::UNBIASED
+    }
+}
+impl<S, K, B> Segment<S, K, B> for Sampled
+where
+    S: for<'g> LightSet<Gather<'g, Vertex, K, B>>,
+{
+    fn gather(&self, span: &Span, at: &Along<S, K, B>, probe: &mut Probe, s: &mut Stream) -> Spectrum {
+        let Along { scene, set, kernel, bounding, edges_left, edges_least } = *at;
+        let Some(medium) = scene.medium(span.ray.medium) else { return Spectrum::BLACK };
+        let n = self.points.max(1);
+        let mut sum = Spectrum::BLACK;
+        for _ in 0..n {
+            let Some((t, weight)) = medium.collide(&span.ray, s) else { continue };
+            let x = span.at(t, Spectrum::ONE);
+            let probe = &mut *probe;
+            let mut ask = Gather { scene, receiver: &x, kernel, bounding, edges_left, edges_least, probe };
+            sum += weight * set.radiance(&mut ask, s);
+        }
+        sum * (1.0 / n as f32)
+    }
+}
+
+/// The composite where there are media: what light sets bring to surfaces, seen through the media, and what they bring to the
+/// media along the camera's ray,
+///
+/// > L = T(0,s) L(surface) + int T(0,u) sigma_s(u) (direct light + lights)(u) du.
+///
+/// Lights are of a generator that knows media. Without media it is [`ManyLights`].
+pub struct InMedia<L, P, K, B, M> {
+    /// The composite at surfaces.
+    pub lights: ManyLights<L, P, K, B>,
+    /// How it gathers along segments.
+    pub segment: M,
+}
+
+/// Thinner than this a medium's end cannot be seen: segments that reach to infinity are cut there.
+const OPAQUE: f32 = 60.0;
+
+impl<L, P, K, B, M> InMedia<L, P, K, B, M>
+where
+    P: Plan<L>,
+    K: Promise + Send + Sync,
+    B: BoundingPlan,
+    P::Set: for<'g> LightSet<Gather<'g, Vertex, K, B::Pass>>,
+    M: Segment<P::Set, K, B::Pass>,
+{
+    /// What the media along a ray scatter, after `edges` edges from the eye, and what they let through to its end.
+    fn media(
+        &self,
+        scene: &Scene,
+        p: &Prepared<P::Set, B::Pass>,
+        ray: &Ray,
+        edges: u32,
+        probe: &mut Probe,
+        s: &mut Stream,
+    ) -> (Spectrum, Spectrum) {
+        let (mut sum, mut through) = (Spectrum::BLACK, Spectrum::ONE);
+        for run in scene.runs(ray) {
+            let Some(medium) = scene.medium(run.medium) else { continue };
+            if !medium.scattering_max().is_black() && edges < self.lights.max_edges {
+                let length = (run.to - run.from).min(medium.depth(OPAQUE));
+                let ray = Ray { t_max: length, ..Ray::new(ray.at(run.from), ray.dir) }.within(run.medium);
+                let span = Span { ray, scattering_max: medium.scattering_max(), phase: medium.phase() };
+                if !p.covers_direct && self.lights.counts(edges + 1) {
+                    sum += through * direct_along(scene, &span, probe, s);
+                }
+                let at = Along {
+                    scene,
+                    set: &p.set,
+                    kernel: &self.lights.kernel,
+                    bounding: &p.bounding,
+                    edges_left: self.lights.max_edges - edges,
+                    edges_least: self.lights.min_edges.saturating_sub(edges + 1),
+                };
+                sum += through * self.segment.gather(&span, &at, probe, s);
+            }
+            through *= medium.transmittance(ray, run.from, run.to, s);
+            if through.is_black() {
+                break;
+            }
+        }
+        (sum, through)
+    }
+}
+
+impl<L, P, K, B, M> Integrator for InMedia<L, P, K, B, M>
+where
+    P: Plan<L>,
+    K: Promise + Send + Sync,
+    B: BoundingPlan,
+    P::Set: for<'g> LightSet<Gather<'g, Vertex, K, B::Pass>>,
+    M: Segment<P::Set, K, B::Pass>,
+{
+    type Prepared = Prepared<P::Set, B::Pass>;
+
+    fn prepare(&self, scene: &Scene, pass: u64, seed: u64, probe: &mut Probe) -> Result<Self::Prepared, PassError> {
+        self.lights.prepare(scene, pass, seed, probe)
+    }
+
+    fn radiance(&self, scene: &Scene, p: &Self::Prepared, ray: &Ray, probe: &mut Probe, s: &mut Stream) -> Spectrum {
+        let mut media = |ray: &Ray, edges: u32, probe: &mut Probe, s: &mut Stream| {
+            if scene.has_media() {
+                self.media(scene, p, ray, edges, probe, s)
+            } else {
+                (Spectrum::BLACK, Spectrum::ONE)
+            }
+        };
+        self.lights.walk(scene, p, ray, &mut media, probe, s)
+    }
+}
+
+impl<L, P: Promise, K: Promise, B: BoundingPlan, M: Promise> Promise for InMedia<L, P, K, B, M> {
+    fn claim(&self) -> Claim {
+        self.lights.claim().and(self.segment.claim())
+    }
+}
+
+/// The camera's ray up to a surface (all of it, if it meets none).
+pub(crate) fn up_to(ray: &Ray, x: Option<&Vertex>) -> Ray {
+    let t_max = x.map_or(ray.t_max, |x| (x.p - ray.origin).length());
+    Ray { t_max, ..*ray }
+}

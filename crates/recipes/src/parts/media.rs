@@ -1,0 +1,136 @@
+//! Virtual lights in media: point lights at collisions, and ray lights.
+
+use crate::params::{Kind, Param, WHOLE};
+use crate::parts::bound;
+use crate::values::Values;
+use crate::{RecipeError, parts::direct};
+use manylight_compensation::BoundPlan;
+use manylight_framework::{Compensation, Generator, Method, Plan};
+use manylight_light_list::{All, Power};
+use manylight_many_lights::{InMedia, ManyLights, Sampled, Whole};
+use manylight_scene::Scene;
+use manylight_vpl::{Emission, Emitters, Keller, NoLights, Points, Sum, Vpl};
+use manylight_vrl::{Extent, RayWalk, Rays, Vrl};
+
+pub(crate) const PARAMS: &[Param] = &[
+    Param::new("paths", Kind::Integer { min: 1, max: 1 << 24 }, "64", "light paths a pass"),
+    Param::new(
+        "rr-depth",
+        Kind::Integer { min: 1, max: WHOLE },
+        "1",
+        "light path length from which Russian roulette may end a path",
+    )
+    .unit("edges"),
+    Param::new("lights", Kind::Choice(&["all", "power"]), "all", "the light set: which lights each receiver asks"),
+    Param::new("samples", Kind::Integer { min: 1, max: 1 << 20 }, "64", "lights that each receiver asks")
+        .part_of("lights", &["power"]),
+];
+
+const SEGMENT: &[Param] = &[
+    Param::new(
+        "segment",
+        Kind::Choice(&["span", "points"]),
+        "span",
+        "how the camera's ray through a medium is gathered: each light draws its own point on it (by angle), or all share points \
+         drawn by free flight",
+    ),
+    Param::new("compensation", Kind::Choice(&["none"]), "none", "in media nothing brings back what a bound takes away"),
+    Param::new("points", Kind::Integer { min: 1, max: 1024 }, "1", "points a segment").part_of("segment", &["points"]),
+];
+
+const RAYS: &[Param] = &[
+    Param::new(
+        "rays",
+        Kind::Choice(&["short", "long"]),
+        "short",
+        "where ray lights end: where their light path collided, or at the next surface",
+    ),
+    Param::new(
+        "bound",
+        Kind::NumberOr(&["none"]),
+        "none",
+        "largest geometry term cos cos / d^2 between the points of a pair",
+    )
+    .unit("1/m^2"),
+    Param::new(
+        "direct",
+        Kind::Choice(&["sampled", "virtual"]),
+        "sampled",
+        "direct light by sampling the emitters, or by virtual lights on them",
+    ),
+];
+
+/// Of `vrl`.
+pub(crate) const VRL: &[&[Param]] = &[PARAMS, RAYS];
+
+pub(crate) fn rays(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
+    let power = Power { samples: v.integer("samples")? as u32 };
+    match v.text("lights") {
+        "power" => by_rays(v, scene, (power, power)),
+        _ => by_rays(v, scene, (All, All)),
+    }
+}
+
+fn by_rays<P>(v: &Values, scene: &Scene, plan: P) -> Result<Box<dyn Method>, RecipeError>
+where
+    P: Plan<(Vec<Vpl>, Vec<Vrl>)> + 'static,
+    InMedia<(Vec<Vpl>, Vec<Vrl>), P, Rays, BoundPlan, Whole>: Method,
+{
+    let (min_edges, max_edges) = v.depths(scene)?;
+    let generator = Box::new(RayWalk {
+        paths: v.integer("paths")?,
+        max_edges: (max_edges != u32::MAX).then_some(max_edges),
+        certain_edges: v.integer("rr-depth")? as u32,
+        emitters: v.text("direct") == "virtual",
+        extent: if v.text("rays") == "long" { Extent::Long } else { Extent::Short },
+    });
+    let bounding = match v.text("bound") {
+        "none" => BoundPlan::NONE,
+        _ => BoundPlan::fixed(v.number("bound")?),
+    };
+    let compensation = Compensation::None;
+    let lights = ManyLights { generator, plan, kernel: Rays, bounding, compensation, max_edges, min_edges };
+    Ok(Box::new(InMedia { lights, segment: Whole }))
+}
+
+/// Of `media-vpl`.
+pub(crate) const MEDIA_VPL: &[&[Param]] = &[PARAMS, SEGMENT, bound::PARAMS, direct::PARAMS];
+
+pub(crate) fn vpls(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
+    match v.text("lights") {
+        "power" => under(v, scene, Power { samples: v.integer("samples")? as u32 }),
+        _ => under(v, scene, All),
+    }
+}
+
+fn under<P: Plan<Vec<Vpl>> + 'static>(v: &Values, scene: &Scene, plan: P) -> Result<Box<dyn Method>, RecipeError>
+where
+    InMedia<Vec<Vpl>, P, Points, BoundPlan, Whole>: Method,
+    InMedia<Vec<Vpl>, P, Points, BoundPlan, Sampled>: Method,
+{
+    let (min_edges, max_edges) = v.depths(scene)?;
+    let (bounding, compensation) = (bound::plan(v)?, Compensation::None);
+    let generator = generator(v, scene)?;
+    let lights = ManyLights { generator, plan, kernel: Points, bounding, compensation, max_edges, min_edges };
+    Ok(match v.text("segment") {
+        "points" => Box::new(InMedia { lights, segment: Sampled { points: v.integer("points")? as u32 } }),
+        _ => Box::new(InMedia { lights, segment: Whole }),
+    })
+}
+
+/// Keller's walk leaves lights at collisions too.
+fn generator(v: &Values, scene: &Scene) -> Result<Box<dyn Generator<Lights = Vec<Vpl>>>, RecipeError> {
+    let (_, max_edges) = v.depths(scene)?;
+    let paths = v.integer("paths")?;
+    let keller = Keller {
+        paths,
+        max_edges: (max_edges != u32::MAX).then_some(max_edges),
+        certain_edges: v.integer("rr-depth")? as u32,
+        emission: Emission::Full,
+    };
+    Ok(match v.text("direct") {
+        "only" => Box::new(NoLights),
+        "virtual" => Box::new(Sum(vec![Box::new(keller), Box::new(Emitters { paths })])),
+        _ => Box::new(keller),
+    })
+}
