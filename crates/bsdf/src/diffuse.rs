@@ -16,6 +16,11 @@ impl Diffuse {
     pub fn new(reflectance: Spectrum) -> Self {
         Diffuse { reflectance }
     }
+    /// rho / pi, which it is wherever it scatters. [1/sr]
+    #[inline]
+    pub fn value(&self) -> Spectrum {
+        self.reflectance * INV_PI
+    }
 }
 
 impl Model for Diffuse {

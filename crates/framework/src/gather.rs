@@ -86,11 +86,13 @@ impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Unshadowed<L> fo
     }
 }
 impl<C, R, K: Bounds<R, C>, B: Bounding + ?Sized> BoundCluster<C> for Gather<'_, R, K, B> {
+    #[inline]
     fn upper_bound(&self, cluster: &C) -> f32 {
         self.kernel.upper_bound(self.receiver, cluster, self.bounding.cap())
     }
 }
 impl<C, R, K: Reaches<R, C>, B: ?Sized> ReachCluster<C> for Gather<'_, R, K, B> {
+    #[inline]
     fn reach(&self, cluster: &C) -> Reach {
         self.kernel.reach(self.receiver, cluster)
     }

@@ -68,6 +68,6 @@ pub struct Reach {
     pub far2: f32,
     /// Squared distance to the box's centre. [m^2]
     pub centre2: f32,
-    /// Half the box's diagonal. \[m\]
-    pub radius: f32,
+    /// Square of half the box's diagonal. [m^2]
+    pub radius2: f32,
 }

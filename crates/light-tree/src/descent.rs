@@ -84,7 +84,7 @@ pub(crate) fn min_max(a: &Reach, b: &Reach) -> Option<[f64; 2]> {
 pub(crate) fn importance(a: &Reach, b: &Reach) -> Option<[f64; 2]> {
     let of = |r: &Reach| {
         let facing = r.facing_guess.max(0.1 * r.facing_max) as f64;
-        let d2 = (r.centre2 as f64).max(0.25 * (r.radius as f64).powi(2)).max(f64::MIN_POSITIVE);
+        let d2 = (r.centre2 as f64).max(0.25 * r.radius2 as f64).max(f64::MIN_POSITIVE);
         r.intensity as f64 * facing / d2
     };
     let (x, y) = (of(a), of(b));

@@ -63,7 +63,7 @@ impl<L: Clustered> Plan<Vec<L>> for Lightcuts {
     }
     /// A representative stands for lights of other depths, unless these are kept apart.
     fn merges(&self) -> bool {
-        !self.growth.by_edges
+        self.growth.together == Growth::ALL_DEPTHS
     }
 }
 

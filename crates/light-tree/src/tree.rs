@@ -62,15 +62,27 @@ pub enum Representatives {
 pub struct Growth {
     /// How lights are brought together.
     pub build: Build,
-    /// Keep lights of different edges apart, below the top?
-    pub by_edges: bool,
+    /// The least and the largest number of edges of lights that every receiver may connect to. Lights of others are kept apart by
+    /// their edges, below the top: only sets in which one light stands for others need that.
+    pub together: (u32, u32),
     /// Which lights stand for clusters.
     pub representatives: Representatives,
 }
 
 impl Default for Growth {
     fn default() -> Self {
-        Growth { build: Build::Fast, by_edges: false, representatives: Representatives::Drawn }
+        Growth { build: Build::Fast, together: Growth::ALL_DEPTHS, representatives: Representatives::Drawn }
+    }
+}
+
+impl Growth {
+    /// Lights of all depths share clusters.
+    pub const ALL_DEPTHS: (u32, u32) = (0, u32::MAX);
+    /// What lights of one group have in common: their kind, and their edges where these are kept apart.
+    fn key<L: Clustered>(&self, light: &L) -> (u32, Option<u32>) {
+        let (least, most) = self.together;
+        let edges = light.edges();
+        (light.kind(), (edges < least || edges > most).then_some(edges))
     }
 }
 
@@ -95,11 +107,7 @@ impl<L: Clustered> LightTree<L> {
                 items.push(i as u32);
             }
         }
-        let key = |i: u32| {
-            let l = &lights[i as usize];
-            (l.kind(), if growth.by_edges { l.edges() } else { 0 })
-        };
-        items.sort_by_key(|&i| key(i));
+        items.sort_by_key(|&i| growth.key(&lights[i as usize]));
         let mut tree = LightTree {
             nodes: Vec::new(),
             lights_of_leaves: Vec::new(),
@@ -110,14 +118,8 @@ impl<L: Clustered> LightTree<L> {
         let Some(&some) = items.first() else { return Ok(tree) };
         let cluster = tree.lights[some as usize].cluster();
         tree.nodes = vec![Node { cluster, child: 0, first: 0, representative: 0 }; 2 * items.len() - 1];
-        let of_group = |a: &u32, b: &u32| {
-            let key = |i: u32| {
-                let l = &tree.lights[i as usize];
-                (l.kind(), if growth.by_edges { l.edges() } else { 0 })
-            };
-            key(*a) == key(*b)
-        };
-        let sizes: Vec<usize> = items.chunk_by(of_group).map(|g| g.len()).collect();
+        let key = |i: u32| growth.key(&tree.lights[i as usize]);
+        let sizes: Vec<usize> = items.chunk_by(|a, b| key(*a) == key(*b)).map(|g| g.len()).collect();
         tree.grow_groups(&mut items, &sizes, growth);
         tree.lights_of_leaves = items;
         for (place, &light) in tree.lights_of_leaves.iter().enumerate() {
@@ -133,7 +135,7 @@ impl<L: Clustered> LightTree<L> {
         let mut rest = items;
         for (k, &size) in sizes.iter().enumerate() {
             let (group, others) = std::mem::take(&mut rest).split_at_mut(size);
-            let edges = growth.by_edges.then(|| self.lights[group[0] as usize].edges());
+            let (_, edges) = growth.key(&self.lights[group[0] as usize]);
             let root = if others.is_empty() {
                 at
             } else {

@@ -16,6 +16,7 @@ impl Aabb {
     pub const EMPTY: Aabb = Aabb { lo: Vec3::splat(f32::INFINITY), hi: Vec3::splat(f32::NEG_INFINITY) };
 
     /// A box of one point.
+    #[inline]
     pub fn point(p: Vec3) -> Self {
         Aabb { lo: p, hi: p }
     }
@@ -24,22 +25,27 @@ impl Aabb {
         points.into_iter().fold(Aabb::EMPTY, |b, p| b.join(&Aabb::point(p)))
     }
     /// The smallest box around both.
+    #[inline]
     pub fn join(&self, o: &Aabb) -> Aabb {
         Aabb { lo: self.lo.min(o.lo), hi: self.hi.max(o.hi) }
     }
     /// True if it holds no point.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         !self.lo.cmple(self.hi).all()
     }
     /// The middle. \[m\]
+    #[inline]
     pub fn centre(&self) -> Vec3 {
         0.5 * self.lo + 0.5 * self.hi
     }
     /// Half the diagonal; zero if empty. \[m\]
+    #[inline]
     pub fn radius(&self) -> f32 {
         if self.is_empty() { 0.0 } else { 0.5 * (self.hi - self.lo).length() }
     }
     /// Is `p` inside or on the border?
+    #[inline]
     pub fn contains(&self, p: Vec3) -> bool {
         self.lo.cmple(p).all() && p.cmple(self.hi).all()
     }
@@ -49,6 +55,7 @@ impl Aabb {
         Vec3::new(pick(0, self.lo.x, self.hi.x), pick(1, self.lo.y, self.hi.y), pick(2, self.lo.z, self.hi.z))
     }
     /// The box of all differences `x - y` of a point x of this box and a point y of the other. \[m\]
+    #[inline]
     pub fn minus(&self, o: &Aabb) -> Aabb {
         Aabb { lo: self.lo - o.hi, hi: self.hi - o.lo }
     }
@@ -57,21 +64,23 @@ impl Aabb {
     ///
     /// With z along the normal, cos = z / |(x, y, z)| is largest at the largest z, and at the least |x| and |y| if that z is
     /// positive, at the largest if it is not.
+    #[inline]
     pub fn largest_cosine(&self, frame: &Frame) -> f32 {
-        let reach = |a: Vec3| {
-            let (p, q) = (a * self.lo, a * self.hi);
-            (p.min(q).element_sum(), p.max(q).element_sum())
+        // By corners, not by centre and half size: the sign of z decides what lies below a horizon.
+        let z = (frame.n * self.lo).max(frame.n * self.hi).element_sum();
+        let (centre, half) = (0.5 * (self.lo + self.hi), 0.5 * (self.hi - self.lo));
+        let aside = |a: Vec3| {
+            let (middle, reach) = (a.dot(centre).abs(), a.abs().dot(half));
+            // Rounding must not push a box aside.
+            if z > 0.0 { (middle - reach - 4e-7 * (middle + reach)).max(0.0) } else { middle + reach }
         };
-        let (_, z) = reach(frame.n);
-        let aside = |(lo, hi): (f32, f32)| {
-            if z > 0.0 { lo.max(-hi).max(0.0) } else { hi.max(-lo) }
-        };
-        let (x, y) = (aside(reach(frame.s)), aside(reach(frame.t)));
+        let (x, y) = (aside(frame.s), aside(frame.t));
         let cos = z / (x * x + y * y + z * z).sqrt();
         // 0 / 0: the origin itself.
         if cos.is_nan() || self.contains(Vec3::ZERO) { 1.0 } else { cos.min(1.0) }
     }
     /// Smallest and largest squared distance between points of two boxes. [m^2]
+    #[inline]
     pub fn distances2(&self, o: &Aabb) -> (f32, f32) {
         let near = (self.lo - o.hi).max(o.lo - self.hi).max(Vec3::ZERO);
         let far = (self.hi - o.lo).max(o.hi - self.lo);

@@ -15,6 +15,7 @@ pub struct Frame {
 
 impl Frame {
     /// Any frame around a unit normal.
+    #[inline]
     pub fn around(n: Vec3) -> Self {
         let (s, t) = n.any_orthonormal_pair();
         Frame { s, t, n }
@@ -37,10 +38,12 @@ impl Frame {
         Frame { s: self.s, t: -self.t, n: -self.n }
     }
     /// World to local.
+    #[inline]
     pub fn to_local(&self, w: Vec3) -> Vec3 {
         Vec3::new(self.s.dot(w), self.t.dot(w), self.n.dot(w))
     }
     /// Local to world.
+    #[inline]
     pub fn to_world(&self, l: Vec3) -> Vec3 {
         self.s * l.x + self.t * l.y + self.n * l.z
     }

@@ -182,8 +182,8 @@ impl SurfacePoint {
         let local = |w: Vec3| self.frame.to_local(w);
         let lobe = match self.bsdf {
             // The same to all sides: no cone need be made.
-            Bsdf::Diffuse(_) => {
-                let f = self.bsdf.eval(Vec3::Z, Vec3::Z).largest();
+            Bsdf::Diffuse(m) => {
+                let f = m.value().largest();
                 Lobe { with_cosine: f, without_cosine: f }
             }
             _ => {
@@ -307,6 +307,7 @@ impl Vertex {
         Ray::new(origin, dir).within(end.towards(dir))
     }
     /// Largest channel of the material over every direction towards a box: never below the truth. [1/sr] or [1/(m sr)]
+    #[inline]
     pub fn bound(&self, towards: &Aabb) -> Lobe {
         match &self.scatter {
             Scatter::Surface(x) => x.bound(self.p, towards),

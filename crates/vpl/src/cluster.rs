@@ -2,7 +2,7 @@
 
 use crate::{Points, Vpl};
 use manylight_framework::{Bounds, Clustered, Reach, Reaches, Receiver};
-use manylight_math::{Aabb, Frame, INV_PI, Vec3};
+use manylight_math::{Aabb, INV_PI, Vec3};
 use manylight_scene::{EmitterPoint, Scatter};
 use std::f32::consts::PI;
 
@@ -50,16 +50,24 @@ impl Cluster {
         let extent = if self.extent() == Extent::Both { true } else { boxed && cone && self.extent() == o.extent() };
         extent && self.intensity >= o.intensity && self.peak >= o.peak
     }
-    /// Largest cosine of a light's axis to its direction towards a receiver. `lights_to`: from the lights to the receiver.
-    fn largest_cosine(&self, lights_to: &Aabb) -> f32 {
+    /// Largest cosine of a light's axis to its direction towards a receiver. `lights_to`: from the lights to the receiver, whose
+    /// least and largest squared length are `near2` and `far2`.
+    #[inline]
+    fn largest_cosine(&self, lights_to: &Aabb, near2: f32, far2: f32) -> f32 {
         if self.cos_half <= -1.0 {
             return 1.0;
         }
-        // cos(max(0, acos(cos) - half)), Walter et al. 2005, section 4.1.
-        let cos = lights_to.largest_cosine(&Frame::around(self.axis));
-        if cos >= self.cos_half {
+        // Of the cone's own axis: the greatest height over the length that belongs to it, bounded apart, which is cheap.
+        let z = (self.axis * lights_to.lo).max(self.axis * lights_to.hi).element_sum();
+        if z < 0.0 && self.cos_half >= 1.0 && z * z > SLACK * SLACK * far2 {
+            return 0.0;
+        }
+        let cos = z / if z > 0.0 { near2 } else { far2 }.sqrt();
+        // Also where the receiver is among the lights.
+        if !(cos < self.cos_half) {
             return 1.0;
         }
+        // cos(max(0, acos(cos) - half)), Walter et al. 2005, section 4.1.
         let sines = (1.0 - cos * cos).max(0.0) * (1.0 - self.cos_half * self.cos_half).max(0.0);
         (cos * self.cos_half + sines.sqrt() + SLACK).clamp(0.0, 1.0)
     }
@@ -190,11 +198,12 @@ impl<R: Receiver> Bounds<R, Cluster> for Points {
             Extent::Distant => return c.peak * r.lobe(&as_seen(&extent, &c.bounds)).with_cosine * ROUNDING,
             Extent::Near => {}
         }
-        let cosine = c.largest_cosine(&extent.minus(&c.bounds));
+        let (near2, far2) = extent.distances2(&c.bounds);
+        let cosine = c.largest_cosine(&extent.minus(&c.bounds), near2, far2);
         if cosine == 0.0 {
             return 0.0;
         }
-        let (lobe, (near2, _)) = (r.lobe(&c.bounds), extent.distances2(&c.bounds));
+        let lobe = r.lobe(&c.bounds);
         // A receiver in the box: the quotient is infinite, and never 0 / 0.
         let full = if lobe.with_cosine > 0.0 { lobe.with_cosine * cosine / near2 } else { 0.0 };
         let capped = if lobe.without_cosine > 0.0 { lobe.without_cosine * cap } else { 0.0 };
@@ -205,18 +214,19 @@ impl<R: Receiver> Reaches<R, Cluster> for Points {
     fn reach(&self, r: &R, c: &Cluster) -> Reach {
         let extent = r.extent();
         let facing = |facing: f32| (facing, facing);
-        let ((near2, far2), centre2, radius, (facing_max, facing_guess)) = match c.extent() {
+        let ((near2, far2), centre2, radius2, (facing_max, facing_guess)) = match c.extent() {
             Extent::Near => {
-                let cosine = c.largest_cosine(&extent.minus(&c.bounds));
+                let (near2, far2) = extent.distances2(&c.bounds);
+                let cosine = c.largest_cosine(&extent.minus(&c.bounds), near2, far2);
                 let lobe = if cosine > 0.0 { r.lobe(&c.bounds).with_cosine } else { 0.0 };
                 let centre2 = (c.bounds.centre() - extent.centre()).length_squared();
-                (extent.distances2(&c.bounds), centre2, c.bounds.radius(), facing(cosine * lobe))
+                ((near2, far2), centre2, 0.25 * (c.bounds.hi - c.bounds.lo).length_squared(), facing(cosine * lobe))
             }
             Extent::Distant => ((1.0, 1.0), 1.0, 0.0, facing(r.lobe(&as_seen(&extent, &c.bounds)).with_cosine)),
             // Only at the top of a tree: nothing is known.
             Extent::Both => ((0.0, f32::MAX), 1.0, 0.0, facing(1.0)),
         };
-        Reach { intensity: c.intensity, facing_max, facing_guess, near2, far2, centre2, radius }
+        Reach { intensity: c.intensity, facing_max, facing_guess, near2, far2, centre2, radius2 }
     }
 }
 

@@ -148,7 +148,7 @@ impl ReachCluster<Lamps> for At {
             near2,
             far2,
             centre2,
-            radius: c.bounds.radius(),
+            radius2: c.bounds.radius().powi(2),
         };
         let always = if cosine > 0.0 { 1.0 } else { 0.0 };
         match self.odds {

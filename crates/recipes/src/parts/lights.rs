@@ -97,11 +97,20 @@ where
     }
 }
 
-/// Lights of different depths share no cluster where path lengths are limited.
+/// How trees grow. Where one light stands for others, lights that some receivers cannot connect to (too long a path, or too
+/// short) are kept apart.
 fn growth(v: &Values, scene: &Scene) -> Result<Growth, RecipeError> {
     let (min_edges, max_edges) = v.depths(scene)?;
     let build = if v.text("tree") == "greedy" { Build::Greedy } else { Build::Fast };
-    Ok(Growth { build, by_edges: max_edges != u32::MAX || min_edges > 1, ..Growth::default() })
+    let limited = max_edges != u32::MAX || min_edges > 1;
+    let together = match v.text("lights") == "lightcuts" && limited {
+        // Behind delta lobes there are receivers of any depth: none may share.
+        true if scene.has_delta_lobes() => (u32::MAX, 0),
+        // All receivers are one edge from the eye.
+        true => (min_edges.saturating_sub(2), max_edges.saturating_sub(2)),
+        false => Growth::ALL_DEPTHS,
+    };
+    Ok(Growth { build, together, ..Growth::default() })
 }
 
 fn composed<L, P, K>(
