@@ -100,14 +100,13 @@ fn join(a: &Cluster, b: &Cluster) -> (Vec3, f32) {
     }
     let joined = 0.5 * (between + wide + narrow) + 1e-6;
     // Turned from the wider one's axis towards the other's; of opposite ones nobody knows which way.
-    let aside = (b.axis - a.axis * a.axis.dot(b.axis)).try_normalize();
-    match aside {
-        Some(aside) if joined < PI => {
-            let (sin, cos) = (joined - wide).sin_cos();
-            ((a.axis * cos + aside * sin).normalize(), (joined.cos() - SLACK).max(-1.0))
-        }
-        _ => (a.axis, -1.0),
+    let aside = b.axis - a.axis * a.axis.dot(b.axis);
+    if joined >= PI || (a.axis + b.axis).length_squared() < 1e-4 {
+        return (a.axis, -1.0);
     }
+    let (sin, cos) = (joined - wide).sin_cos();
+    let axis = (a.axis * cos + aside.normalize_or_zero() * sin).normalize();
+    (axis, (joined.cos() - SLACK).max(-1.0))
 }
 
 impl Vpl {
