@@ -91,10 +91,10 @@ impl<C, R, K: Bounds<R, C>, B: Bounding + ?Sized> BoundCluster<C> for Gather<'_,
         self.kernel.upper_bound(self.receiver, cluster, self.bounding.cap())
     }
 }
-impl<C, R, K: Reaches<R, C>, B: ?Sized> ReachCluster<C> for Gather<'_, R, K, B> {
+impl<C, R, K: Reaches<R, C>, B: Bounding + ?Sized> ReachCluster<C> for Gather<'_, R, K, B> {
     #[inline]
     fn reach(&self, cluster: &C) -> Reach {
-        self.kernel.reach(self.receiver, cluster)
+        self.kernel.reach(self.receiver, cluster, self.bounding.cap())
     }
 }
 impl Located for Vertex {

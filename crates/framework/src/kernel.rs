@@ -49,8 +49,8 @@ pub trait Bounds<R, C>: Sync {
     note = "`stochastic-lightcuts` and `light-bvh` ask for `Reaches`; `all` and `power` do not"
 )]
 pub trait Reaches<R, C>: Sync {
-    /// The facts.
-    fn reach(&self, receiver: &R, cluster: &C) -> Reach;
+    /// The facts. With `cap` the largest keep x G of the bounding, no squared distance counts as smaller than 1 / cap.
+    fn reach(&self, receiver: &R, cluster: &C, cap: f32) -> Reach;
 }
 
 /// Facts about a cluster seen from a receiver. Only a `facing` of zero is a promise: nothing in the cluster can contribute.

@@ -210,8 +210,8 @@ impl<R: Receiver> Bounds<R, Cluster> for Points {
     }
 }
 impl<R: Receiver> Reaches<R, Cluster> for Points {
-    fn reach(&self, r: &R, c: &Cluster) -> Reach {
-        let extent = r.extent();
+    fn reach(&self, r: &R, c: &Cluster, cap: f32) -> Reach {
+        let (extent, least) = (r.extent(), 1.0 / cap);
         let facing = |facing: f32| (facing, facing);
         let ((near2, far2), centre2, radius2, (facing_max, facing_guess)) = match c.extent() {
             Extent::Near => {
@@ -219,7 +219,12 @@ impl<R: Receiver> Reaches<R, Cluster> for Points {
                 let cosine = c.largest_cosine(&extent.minus(&c.bounds), near2, far2);
                 let lobe = if cosine > 0.0 { r.lobe(&c.bounds).with_cosine } else { 0.0 };
                 let centre2 = (c.bounds.centre() - extent.centre()).length_squared();
-                ((near2, far2), centre2, 0.25 * (c.bounds.hi - c.bounds.lo).length_squared(), facing(cosine * lobe))
+                (
+                    (near2.max(least), far2.max(least)),
+                    centre2.max(least),
+                    0.25 * (c.bounds.hi - c.bounds.lo).length_squared(),
+                    facing(cosine * lobe),
+                )
             }
             Extent::Distant => ((1.0, 1.0), 1.0, 0.0, facing(r.lobe(&as_seen(&extent, &c.bounds)).with_cosine)),
             // Only at the top of a tree: nothing is known.

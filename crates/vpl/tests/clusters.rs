@@ -3,7 +3,8 @@
 use manylight_bsdf::*;
 use manylight_framework::{Bounds, Clustered, Reaches};
 use manylight_geometry::Surface;
-use manylight_math::{Aabb, Frame, Spectrum, Vec2, Vec3};
+use manylight_math::{Aabb, Frame, MediumId, Spectrum, Vec2, Vec3};
+use manylight_media::HenyeyGreenstein;
 use manylight_sampling::{Purpose, Stream, warp};
 use manylight_scene::{EmitterPoint, MediumPoint, Mode, Scatter, SurfacePoint, Vertex};
 use manylight_vpl::{Cluster, Points, Vpl, connect_vertices};
@@ -49,10 +50,15 @@ fn surface(p: Vec3, n: Vec3, mode: Mode, s: &mut Stream) -> Vertex {
     Vertex { p, scatter: Scatter::Surface(SurfacePoint::new(&x, Frame::around(ns), wi, any_bsdf(s), mode)) }
 }
 fn medium(p: Vec3, s: &mut Stream) -> Vertex {
-    let g = 1.8 * s.next_f32() - 0.9;
+    let phase = HenyeyGreenstein::new(1.8 * s.next_f32() - 0.9).unwrap();
     Vertex {
         p,
-        scatter: Scatter::Medium(MediumPoint { wi: warp::sphere(s.next_2d()), scattering: colour(s), g, medium: 0 }),
+        scatter: Scatter::Medium(MediumPoint {
+            wi: warp::sphere(s.next_2d()),
+            scattering: colour(s),
+            phase,
+            medium: MediumId::new(0),
+        }),
     }
 }
 const KINDS: [&str; 5] = ["surface", "medium", "lambert", "isotropic", "distant"];
@@ -106,7 +112,7 @@ fn bounds_are_never_below_what_a_light_or_its_cluster_gives() {
         let x = any_receiver(&lights, &mut s);
         let c = cluster(&lights);
         let cap = if s.next_f32() < 0.3 { f32::INFINITY } else { 10f32.powf(6.0 * s.next_f32() - 3.0) };
-        let (bound, reach) = (Points.upper_bound(&x, &c, cap), Points.reach(&x, &c));
+        let (bound, reach) = (Points.upper_bound(&x, &c, cap), Points.reach(&x, &c, cap));
         assert!(bound >= 0.0 && reach.facing_max >= 0.0 && reach.near2 <= reach.far2, "{bound} {reach:?}");
         culled += (bound == 0.0) as u32;
         let mut sum = 0.0f64;
@@ -206,7 +212,7 @@ fn light_from_infinity_and_from_here_share_no_bound() {
     assert!(both.holds(&near.cluster()) && both.holds(&far.cluster()));
     let x = any_receiver(&[near], &mut s);
     assert_eq!(Points.upper_bound(&x, &both, 1.0), f32::INFINITY);
-    assert!(Points.reach(&x, &both).facing_max > 0.0);
+    assert!(Points.reach(&x, &both, 1.0).facing_max > 0.0);
     assert!(near.kind() != far.kind());
     assert_eq!(far.cluster().bounds, Aabb::point(Vec3::Z));
 }
