@@ -62,7 +62,7 @@ impl<R: Receiver> Bounds<R, SphereCluster> for SphereKernel {
         if c.largest == 0.0 || c.points.bounds.is_empty() {
             return Points.upper_bound(r, &c.points, cap);
         }
-        let reach = Points.reach(r, &c.grown());
+        let reach = Points.reach(r, &c.grown(), cap);
         let near = r.extent().distances2(&c.points.bounds).0.sqrt();
         // Falls with the distance; at a distance above the radius it grows with it, and is never above 2 / max(d, r)^2.
         let kernel = if near > c.largest { cone_kernel(near, c.largest) } else { 2.0 / near.max(c.smallest).powi(2) };
@@ -73,10 +73,10 @@ impl<R: Receiver> Bounds<R, SphereCluster> for SphereKernel {
 }
 
 impl<R: Receiver> Reaches<R, SphereCluster> for SphereKernel {
-    fn reach(&self, r: &R, c: &SphereCluster) -> Reach {
-        let reach = Points.reach(r, &c.grown());
+    fn reach(&self, r: &R, c: &SphereCluster, cap: f32) -> Reach {
+        let reach = Points.reach(r, &c.grown(), cap);
         // Within the radius nearness brings nothing more.
-        let least = c.smallest * c.smallest;
+        let least = (c.smallest * c.smallest).max(1.0 / cap);
         let (near2, far2) = r.extent().distances2(&c.points.bounds);
         let centre2 = (c.points.bounds.centre() - r.extent().centre()).length_squared();
         if c.largest == 0.0 || c.points.bounds.is_empty() {

@@ -178,7 +178,7 @@ proptest! {
         }
         // A cluster of one: reach promises nothing where there is something.
         if sum > 0.0 {
-            prop_assert!(kernel.reach(&x, &l.cluster()).facing_max > 0.0);
+            prop_assert!(kernel.reach(&x, &l.cluster(), f32::INFINITY).facing_max > 0.0);
         }
     }
     /// Of clusters of several spheres, at receivers inside them too: against the quadrature, since the bound is one of the mean.
@@ -204,7 +204,7 @@ proptest! {
         let sum: f64 = lights.iter().map(|l| quadrature(&x, l, 24)).sum();
         let bound = SphereKernel::default().upper_bound(&x, &all, f32::INFINITY) as f64;
         prop_assert!(sum <= bound * 1.0001, "{sum} above {bound}");
-        prop_assert!(sum == 0.0 || SphereKernel::default().reach(&x, &all).facing_max > 0.0);
+        prop_assert!(sum == 0.0 || SphereKernel::default().reach(&x, &all, f32::INFINITY).facing_max > 0.0);
     }
 }
 
