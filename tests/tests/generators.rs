@@ -36,11 +36,12 @@ type Case = (&'static str, (u32, u32), f32, u64, u64, usize);
 const SCENES: &[Case] = &[
     ("cornell-box", (16, 16), 4.0, 512, 64, 2),
     ("corner", (16, 16), 4.0, 256, 64, 2),
-    ("ajar", (16, 10), 1.0, 2048, 96, 1),
+    ("ajar", (16, 10), 1.0, 1024, 96, 1),
 ];
 /// Methods with what they are given besides.
 const METHODS: &[(&str, &[&str])] = &[
     ("rejection", &["importons=64", "importance-rays=8", "selectivity=4"]),
+    ("bidirectional-ir", &["importons=256", "importance-rays=16", "reverse=256", "eyes=16", "resampled=256"]),
     ("metropolis-ir", &["importons=64", "importance-rays=8", "bootstrap=256", "chains=16", "tries=2"]),
 ];
 

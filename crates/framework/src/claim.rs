@@ -50,6 +50,8 @@ impl PathClasses {
     /// delta lobe.
     pub const CAUSTICS: PathClasses = PathClasses(1);
 
+    /// ..D S+ E: whatever is seen in a mirror or through glass.
+    pub const MIRRORED: PathClasses = PathClasses(4);
     /// Everything that is scattered more than once, caustics too.
     pub const INDIRECT: PathClasses = PathClasses(3);
 
@@ -157,6 +159,9 @@ impl fmt::Display for Claim {
             f.write_str("; no indirect light")?;
         } else if self.misses.contains(PathClasses::CAUSTICS) {
             f.write_str("; no caustics on the last surface that scatters")?;
+        }
+        if self.misses.contains(PathClasses::MIRRORED) {
+            f.write_str("; nothing that is seen in mirrors or through glass")?;
         }
         Ok(())
     }

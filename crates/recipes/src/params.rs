@@ -139,3 +139,20 @@ pub(crate) const PATH: &[Param] = &[
         "sample the emitters at each vertex; `off`: find light by chance only",
     ),
 ];
+
+/// Of whatever traces light paths to the camera.
+pub(crate) const TRACERS: &[Param] = &[Param::new(
+    "rr-depth",
+    Kind::IntegerOr { min: 1, max: WHOLE, words: &["scene"] },
+    "scene",
+    "path length from which Russian roulette may end a path from either end; `scene`: what the file says, or 5",
+)
+.unit("edges")];
+
+/// Of the bidirectional path tracer.
+pub(crate) const BIDIRECTIONAL: &[Param] = &[Param::new(
+    "heuristic",
+    Kind::Choice(&["balance", "power"]),
+    "balance",
+    "by which the ways to make a path are weighed",
+)];

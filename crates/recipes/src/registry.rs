@@ -1,7 +1,7 @@
 //! The list of methods.
 
 use crate::error::near;
-use crate::params::{COMMON, PATH};
+use crate::params::{BIDIRECTIONAL, COMMON, PATH, TRACERS};
 use crate::parts::{MANY_LIGHTS, media};
 use crate::values::Values;
 use crate::{Param, RecipeError, parts, yardsticks};
@@ -71,7 +71,15 @@ static METHODS: &[MethodInfo] = &[
         summary: "virtual point lights, of which those are kept that bring the camera something",
         paper: "Georgiev and Slusallek 2010, Simple and robust iterative importance sampling of virtual point lights",
         own: MANY_LIGHTS,
-        presets: &[("generator", "rejection"), ("paths", "1024")],
+        presets: &[("generator", "rejection"), ("paths", "2048"), ("selectivity", "32")],
+        compose: parts::many_lights,
+    },
+    MethodInfo {
+        name: "bidirectional-ir",
+        summary: "virtual point lights from light paths and from eye paths, of which those are taken that bring the camera something",
+        paper: "Segovia, Iehl, Mitanchey and Peroche 2006, Bidirectional instant radiosity",
+        own: MANY_LIGHTS,
+        presets: &[("generator", "bidirectional"), ("paths", "1024"), ("importance-floor", "0.1")],
         compose: parts::many_lights,
     },
     MethodInfo {
@@ -79,7 +87,7 @@ static METHODS: &[MethodInfo] = &[
         summary: "virtual point lights that Markov chains put where they bring the camera something",
         paper: "Segovia, Iehl and Peroche 2007, Metropolis instant radiosity",
         own: MANY_LIGHTS,
-        presets: &[("generator", "metropolis"), ("paths", "1024")],
+        presets: &[("generator", "metropolis"), ("paths", "256"), ("importance-floor", "0.3")],
         compose: parts::many_lights,
     },
     MethodInfo {
@@ -121,6 +129,22 @@ static METHODS: &[MethodInfo] = &[
         own: &[PATH],
         presets: &[],
         compose: yardsticks::path,
+    },
+    MethodInfo {
+        name: "light-tracing",
+        summary: "light paths whose vertices are seen by the camera: a yardstick for caustics",
+        paper: "Dutre, Lafortune and Willems 1993, Monte Carlo light tracing with direct computation of pixel intensities",
+        own: &[TRACERS],
+        presets: &[],
+        compose: yardsticks::light_tracing,
+    },
+    MethodInfo {
+        name: "bidirectional",
+        summary: "bidirectional path tracing: every way to join a light path with an eye path, by multiple importance sampling",
+        paper: "Veach and Guibas 1994, Bidirectional estimators for light transport; 1995, Optimally combining sampling techniques",
+        own: &[TRACERS, BIDIRECTIONAL],
+        presets: &[],
+        compose: yardsticks::bidirectional,
     },
 ];
 
@@ -181,6 +205,11 @@ pub fn build(name: &str, params: &[(String, String)], scene: &Scene) -> Result<R
         warnings.push(format!(
             "the scene has mirrors or glass: `{name}` leaves out the light that reaches a surface through them (caustics); \
              `path` finds some of it"
+        ));
+    }
+    if claim.misses.contains(PathClasses::MIRRORED) && scene.has_delta_lobes() {
+        warnings.push(format!(
+            "the scene has mirrors or glass: `{name}` leaves black what is seen in them; `bidirectional` and `path` do not"
         ));
     }
     if !scene.emitters().shine() {

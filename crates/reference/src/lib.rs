@@ -6,12 +6,21 @@
 //!
 //! (Kajiya 1986; multiple importance sampling by Veach and Guibas 1995). Unbiased.
 //!
+//! `bidirectional` joins s vertices of a light path with t of an eye path, for all s and t, each way to make a path with density
+//! p_s weighed by p_s / sum_i p_i (or the squares). `light-tracing` is t = 1 alone. Instant radiosity is t = 2 with weight 1.
+//!
 //! ```
 //! use manylight_framework::Promise;
 //! use manylight_reference::PathTracer;
 //! assert!(PathTracer::default().claim().is_unbiased());
 //! ```
 
+mod bidirectional;
 mod path;
+mod splat;
+mod subpath;
+mod weights;
 
+pub use bidirectional::BidirectionalPathTracer;
 pub use path::PathTracer;
+pub use weights::Combine;

@@ -302,7 +302,7 @@ impl Emitters {
         }
     }
     /// Area of a disc that the scene fits in. \[m^2\]
-    fn disc(&self) -> f32 {
+    pub fn disc(&self) -> f32 {
         PI * self.world.1 * self.world.1
     }
     /// Draws a ray of light: a point as `sample`, and a direction by its lobe (a point of the disc that the scene fits in, for

@@ -13,6 +13,7 @@ use manylight_scene::{Mode, Scene, Vertex};
 /// > Phi(y) = mean over the points x of   W  lum( f(x) min(G(x, y), b) V(x, y) f(y) flux )
 ///
 /// It only steers where lights are put, never what they weigh: a bounded G and a path that is cut off here bias nothing.
+#[derive(Default)]
 pub struct Importons {
     points: Vec<Importon>,
     /// Camera rays, those that met nothing included.
@@ -34,6 +35,11 @@ const MOST_EDGES: u32 = 8;
 impl Importons {
     /// About `count` points, for lights of `paths` light paths: b is that of `bound=auto`.
     pub fn new(scene: &Scene, count: u32, paths: u64, seed: u64, pass: u64, probe: &mut Probe) -> Self {
+        Importons::at(scene, count, paths, [seed, pass, 0], probe)
+    }
+    /// The same from a place of its own, `[seed, pass, which]`.
+    pub(crate) fn at(scene: &Scene, count: u32, paths: u64, place: [u64; 3], probe: &mut Probe) -> Self {
+        let [seed, pass, which] = place;
         let (w, h) = (scene.camera().size.0 as f32, scene.camera().size.1 as f32);
         let columns = ((count.max(1) as f32 * w / h).sqrt().ceil() as usize).clamp(1, count.max(1) as usize);
         let rows = (count.max(1) as usize).div_ceil(columns);
@@ -41,12 +47,16 @@ impl Importons {
         let mut points = Vec::with_capacity(rays);
         for i in 0..rays {
             // 2^40 and above: places that no candidate's number reaches.
-            let mut s = Stream::new(seed, [pass, (1 << 40) + i as u64, 0], Purpose::IMPORTANCE);
+            let mut s = Stream::new(seed, [pass, (1 << 40) + i as u64, which], Purpose::IMPORTANCE);
             let cell = Vec2::new((i % columns) as f32, (i / columns) as f32) + s.next_2d();
             trace(scene, cell * Vec2::new(w / columns as f32, h / rows as f32), &mut s, probe, &mut points);
         }
         let bound = (std::f64::consts::PI * paths.max(1) as f64 / scene.area()) as f32;
         Importons { points, rays, bound }
+    }
+    /// All points.
+    pub(crate) fn points(&self) -> &[Importon] {
+        &self.points
     }
     /// An estimate of Phi from about `count` of the points, and as many shadow rays at most. [W/(m^2 sr)]
     pub fn importance(&self, scene: &Scene, light: &Vpl, count: u32, probe: &mut Probe, s: &mut Stream) -> f64 {

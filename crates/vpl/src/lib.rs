@@ -25,16 +25,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bidirectional;
 mod cluster;
 mod emitters;
 mod importance;
 mod keller;
 mod kernel;
 mod rejection;
+mod reverse;
 mod sum;
 mod vpl;
 mod walk;
 
+pub use bidirectional::Bidirectional;
 pub use cluster::Cluster;
 pub use emitters::Emitters;
 pub use importance::Importons;

@@ -1,9 +1,9 @@
 //! The random walk of a light path.
 
 use manylight_framework::Probe;
-use manylight_math::Spectrum;
+use manylight_math::{Spectrum, Vec3};
 use manylight_sampling::{Purpose, Stream};
-use manylight_scene::{Mode, Scene, Vertex};
+use manylight_scene::{Emission, EmitterPoint, Mode, Scatter, Scene, Vertex};
 
 /// A vertex of a light path.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +14,9 @@ pub struct Step {
     pub flux: Spectrum,
     /// Edges from the emitter: 1 for the first hit.
     pub edges: u32,
+    /// Density, per area, with which the walk got here from the vertex before, its roulette included; `None` after a delta lobe.
+    /// Of surfaces, where no medium lies between. [1/m^2]
+    pub density: Option<f32>,
 }
 
 /// From this edge on the roulette never lets everything through, so that a walk ends even between white walls.
@@ -48,11 +51,25 @@ pub fn walk(
 }
 
 /// The walk as a function of its random numbers alone.
-pub fn walk_along(scene: &Scene, s: &mut Stream, length: Length, probe: &mut Probe, mut visit: impl FnMut(Step)) {
+pub fn walk_along(scene: &Scene, s: &mut Stream, length: Length, probe: &mut Probe, visit: impl FnMut(Step)) {
     probe.light_paths += 1;
-    let Some(emission) = scene.sample_emission(s) else { return };
+    if let Some(emission) = scene.sample_emission(s) {
+        walk_from(scene, &emission, s, length, probe, visit);
+    }
+}
+
+/// The walk after its emission has been drawn.
+pub(crate) fn walk_from(
+    scene: &Scene,
+    emission: &Emission,
+    s: &mut Stream,
+    length: Length,
+    probe: &mut Probe,
+    mut visit: impl FnMut(Step),
+) {
     let (mut ray, mut flux) = (emission.ray, emission.flux);
     let start = flux.luminance();
+    let (mut from, mut pdf) = (emission.start.vertex, Some(emission_pdf(&emission.start.vertex, ray.dir)));
     for edges in 1..=length.max_edges {
         if !flux.is_valid() {
             probe.broken_paths += 1;
@@ -65,17 +82,46 @@ pub fn walk_along(scene: &Scene, s: &mut Stream, length: Length, probe: &mut Pro
         let (vertex, through) = scene.advance(&ray, Mode::Importance, flux, s);
         let Some(vertex) = vertex else { return };
         flux *= through;
-        visit(Step { vertex, flux, edges });
+        visit(Step { vertex, flux, edges, density: pdf.map(|p| p * per_area(&from, &vertex)) });
         let Some(next) = vertex.sample(s.next_f32(), s.next_2d()) else { return };
         flux *= next.weight;
+        let survival = length.survival(flux, start, edges);
         if edges >= length.certain_edges {
-            let limit = if edges < WHITE_EDGES { 1.0 } else { SURVIVAL };
-            let survival = (flux.luminance() / start).min(limit);
             if !(s.next_f32() < survival) {
                 return;
             }
             flux *= 1.0 / survival;
         }
+        (from, pdf) = (vertex, (!next.delta).then_some(next.pdf * survival));
         ray = vertex.leave(next.dir);
     }
+}
+
+impl Length {
+    /// Probability that the roulette lets a path go on, which was emitted with the luminance `start` and would carry `flux` on
+    /// from its vertex of so many edges.
+    pub(crate) fn survival(&self, flux: Spectrum, start: f32, edges: u32) -> f32 {
+        let limit = if edges < WHITE_EDGES { 1.0 } else { SURVIVAL };
+        if edges < self.certain_edges { 1.0 } else { (flux.luminance() / start).min(limit) }
+    }
+}
+
+/// Density with which an emitter's point sends a ray: per solid angle [1/sr], or per area of the disc for light from infinity.
+pub(crate) fn emission_pdf(y: &Vertex, dir: Vec3) -> f32 {
+    match y.scatter {
+        Scatter::Emitter(EmitterPoint::Distant { disc, .. }) => 1.0 / disc,
+        // Lobes of emitters are normalised, and rays are drawn by them.
+        _ => y.eval(dir).largest(),
+    }
+}
+
+/// What turns a density at `y`, of `emission_pdf` or per solid angle, into one per area at `x`: cos_x / d^2, or cos_x towards
+/// infinity. [1/m^2]
+pub(crate) fn per_area(y: &Vertex, x: &Vertex) -> f32 {
+    let across = |w: Vec3| x.normal().map_or(1.0, |n| n.dot(w).abs());
+    if let Scatter::Emitter(EmitterPoint::Distant { towards, .. }) = y.scatter {
+        return across(towards);
+    }
+    let d = y.p - x.p;
+    across(d.normalize_or_zero()) / d.length_squared()
 }

@@ -6,15 +6,15 @@ use crate::{RecipeError, parts::direct};
 use manylight_framework::Generator;
 use manylight_metropolis_ir::Metropolis;
 use manylight_scene::Scene;
-use manylight_vpl::{Emission, Emitters, Keller, NoLights, Rejection, Sum, Vpl};
+use manylight_vpl::{Bidirectional, Emission, Emitters, Keller, NoLights, Rejection, Sum, Vpl};
 
 pub(crate) const PARAMS: &[Param] = &[
     Param::new(
         "generator",
-        Kind::Sum(&["keller", "rejection", "metropolis", "emitters"]),
+        Kind::Sum(&["keller", "rejection", "bidirectional", "metropolis", "emitters"]),
         "keller",
-        "where the virtual lights come from; `rejection`: those that bring the camera something; `metropolis`: \
-         Markov chains look for such; `emitters`: points of the \
+        "where the virtual lights come from; `rejection`: those that bring the camera something; `bidirectional`: such of \
+         those, and of those that eye paths find; `metropolis`: Markov chains look for such; `emitters`: points of the \
          emitters, for direct light",
     ),
     Param::new("paths", Kind::Integer { min: 1, max: 1 << 24 }, "64", "light paths a pass"),
@@ -56,6 +56,14 @@ pub(crate) const PARAMS: &[Param] = &[
         "a light is kept with its importance over so many times the mean one: the larger, the fewer and the more alike",
     )
     .part_of("generator", &["rejection"]),
+    Param::new("reverse", Kind::Integer { min: 1, max: 1 << 24 }, "1024", "candidates that eye paths find")
+        .part_of("generator", &["bidirectional"]),
+    Param::new("eyes", Kind::Integer { min: 1, max: 1 << 16 }, "32", "points of the image that those start from")
+        .part_of("generator", &["bidirectional"]),
+    Param::new("gathers", Kind::Integer { min: 1, max: 1 << 16 }, "16", "light path vertices that each of them gathers from")
+        .part_of("generator", &["bidirectional"]),
+    Param::new("resampled", Kind::Integer { min: 1, max: 1 << 24 }, "256", "lights that are taken of all candidates")
+        .part_of("generator", &["bidirectional"]),
     Param::new("chains", Kind::Integer { min: 1, max: 1 << 20 }, "64", "independent chains, which share the steps: `paths`")
         .part_of("generator", CHAINS),
     Param::new(
@@ -79,9 +87,9 @@ pub(crate) const PARAMS: &[Param] = &[
 ];
 
 /// Generators of indirect light: each brings all of it.
-const INDIRECT: &[&str] = &["keller", "rejection", "metropolis"];
+const INDIRECT: &[&str] = &["keller", "rejection", "bidirectional", "metropolis"];
 /// Those that weigh lights by what they bring to the camera.
-const WEIGHING: &[&str] = &["rejection", "metropolis"];
+const WEIGHING: &[&str] = &["rejection", "bidirectional", "metropolis"];
 
 pub(crate) type Vpls = Box<dyn Generator<Lights = Vec<Vpl>>>;
 
@@ -116,6 +124,16 @@ fn one(name: &str, v: &Values, scene: &Scene) -> Result<Vpls, RecipeError> {
             rays: v.integer("importance-rays")? as u32,
             selectivity: v.number("selectivity")?,
             floor: v.number("importance-floor")?,
+        }),
+        "bidirectional" => Box::new(Bidirectional {
+            walks: keller(v, scene)?,
+            reverse: v.integer("reverse")?,
+            eyes: v.integer("eyes")? as u32,
+            gathers: v.integer("gathers")? as u32,
+            points: v.integer("importons")? as u32,
+            rays: v.integer("importance-rays")? as u32,
+            floor: v.number("importance-floor")?,
+            lights: v.integer("resampled")?,
         }),
         "metropolis" => Box::new(metropolis(v, scene)?),
         _ => Box::new(keller(v, scene)?),
