@@ -25,6 +25,8 @@ pub enum Command {
     Render(Render),
     /// Says how far two images are apart
     Diff(Diff),
+    /// Says which virtual lights made a pixel, what the bound took, and what compensation gave
+    Explain(Explain),
     /// Lists the methods, or describes one with its parameters
     List(List),
     /// Writes one of the parametric scenes, or lists them
@@ -96,6 +98,38 @@ pub struct Diff {
     pub fail_above: Option<f64>,
 }
 
+/// Says which virtual lights made a pixel of a pass: for splotches, fireflies and dark corners.
+#[derive(Debug, Args)]
+pub struct Explain {
+    /// Scene file (Mitsuba 3 XML)
+    #[arg(value_name = "SCENE.xml")]
+    pub scene: PathBuf,
+    /// The pixel, counted from 0,0 at the upper left
+    #[arg(long, value_name = "X,Y", value_parser = pixel)]
+    pub pixel: (u32, u32),
+    /// Method; `manylight list` shows them all
+    #[arg(long, value_name = "NAME", default_value = manylight_recipes::methods()[0].name)]
+    pub method: String,
+    /// Sets a parameter of the method (may be repeated)
+    #[arg(short = 'P', value_name = "key=value", value_parser = key_value)]
+    pub parameters: Vec<(String, String)>,
+    /// Fills in $name in the scene file (may be repeated)
+    #[arg(short = 'D', value_name = "name=value", value_parser = key_value)]
+    pub defines: Vec<(String, String)>,
+    /// Size of the image in pixels, instead of the scene's own
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// What all random numbers follow from
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// The pass to look at, from 0
+    #[arg(long, default_value_t = 0)]
+    pub pass: u64,
+    /// Lights to show, the brightest first
+    #[arg(long, default_value_t = 10)]
+    pub lights: usize,
+}
+
 /// Lists the methods, or describes one with its parameters.
 #[derive(Debug, Args)]
 pub struct List {
@@ -127,6 +161,11 @@ fn exr_path(s: &str) -> Result<PathBuf, String> {
         Some(extension) if extension.eq_ignore_ascii_case("exr") => Ok(path),
         _ => Err("the name must end in .exr (a PNG is written beside it)".into()),
     }
+}
+
+fn pixel(s: &str) -> Result<(u32, u32), String> {
+    let numbers = s.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
+    numbers.ok_or_else(|| "expected two whole numbers, such as 12,34".into())
 }
 
 fn key_value(s: &str) -> Result<(String, String), String> {

@@ -2,6 +2,7 @@
 
 mod args;
 mod diff;
+mod explain;
 mod failure;
 mod interrupt;
 mod list;
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Diff(args) => diff::run(&args),
+        Command::Explain(args) => explain::run(&args),
         Command::List(args) => list::run(&args),
         Command::Scene(args) => scene::run(&args),
     };

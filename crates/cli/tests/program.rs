@@ -253,3 +253,31 @@ fn an_output_never_overwrites_what_the_scene_is_made_of_nor_another_output() {
     is_refused(&directory, "render lamp.xml -o a.exr --stats a.png --passes 1", "named for two outputs");
     assert_eq!(fs::read_to_string(directory.path().join("lamp.xml")).unwrap(), SCENE);
 }
+
+#[test]
+fn a_pixel_is_explained_by_its_lights_its_bound_and_its_compensation() {
+    let directory = workplace();
+    let told = |args: &str| {
+        let out = manylight(&directory, &format!("explain lamp.xml --pixel 12,12 --seed 3 {args}"));
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+        String::from_utf8(out.stdout).unwrap()
+    };
+    let number = |text: &str, line: &str| -> f64 {
+        let line = text.lines().find(|l| l.trim_start().starts_with(line)).unwrap_or_else(|| panic!("{line}: {text}"));
+        line.split_whitespace().rev().nth(2).unwrap().parse().unwrap()
+    };
+    let text = told("-P direct=virtual -P paths=16 -P bound=0.1");
+    let (pixel, lights) = (number(&text, "the pixel"), number(&text, "virtual lights"));
+    assert!(pixel > 0.0 && (pixel - lights).abs() < 1e-3 * pixel, "all light is the lights': {text}");
+    assert!(number(&text, "taken by the bound") > 0.0 && number(&text, "compensation") == 0.0, "{text}");
+    let unbound = told("-P direct=virtual -P paths=16 -P bound=none");
+    let all = lights + number(&text, "taken by the bound");
+    assert!((number(&unbound, "virtual lights") / all - 1.0).abs() < 1e-3, "{text}\n{unbound}");
+    for c in ["kollig-keller", "local"] {
+        let text = told(&format!("-P direct=virtual -P paths=16 -P bound=0.1 -P compensation={c}"));
+        assert!((number(&text, "virtual lights") / lights - 1.0).abs() < 1e-3, "{c}: {text}");
+    }
+    let out = manylight(&directory, "explain lamp.xml --pixel 24,0");
+    assert_eq!(out.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&out.stderr).contains("24 x 16 pixels"));
+}

@@ -70,6 +70,8 @@ pub struct Film<'s> {
     pub pass: u64,
     /// Camera samples a pixel.
     pub spp: u32,
+    /// The pixel that is to be explained ([`Probe::explain`]), if any.
+    pub explained: Option<usize>,
     filter: &'s FilterSampler,
     scheduler: &'s dyn Scheduler,
 }
@@ -85,7 +87,7 @@ impl<'s> Film<'s> {
         scheduler: &'s dyn Scheduler,
     ) -> Self {
         let image = Image::new(camera.size.0 as usize, camera.size.1 as usize);
-        Film { image, camera, seed, pass, spp: spp.max(1), filter, scheduler }
+        Film { image, camera, seed, pass, spp: spp.max(1), explained: None, filter, scheduler }
     }
     /// Runs tasks, see `Scheduler`.
     pub fn scheduler(&self) -> &'s dyn Scheduler {
@@ -116,7 +118,15 @@ impl<'s> Film<'s> {
             let places = rows.flat_map(|y| (x0..(x0 + TILE).min(w)).map(move |x| y * w + x));
             // A pixel may ask a million lights: whoever cancels does not wait for the rest of the tile.
             let places = places.take_while(|_| !this.scheduler.cancelled());
-            let pixels: Vec<_> = places.map(|pixel| (pixel, this.pixel(pixel, &mut probe, radiance))).collect();
+            let pixels: Vec<_> = places
+                .map(|pixel| {
+                    let alone = this.explained.is_none_or(|e| e == pixel);
+                    let explanation = probe.explain.take_if(|_| !alone);
+                    let value = this.pixel(pixel, &mut probe, radiance);
+                    probe.explain = if alone { probe.explain.take() } else { explanation };
+                    (pixel, value)
+                })
+                .collect();
             (pixels, probe)
         });
         for (pixels, tile) in results.into_iter().flatten() {

@@ -1,6 +1,8 @@
 //! The residual of a whole frame.
 
-use manylight_framework::{Bounding, Film, Frame, FrameCompensator, GBuffer, Onward, Pixel, Probe, TILE, collect};
+use manylight_framework::{
+    Bounding, Depth, Film, Frame, FrameCompensator, GBuffer, Onward, Pixel, Probe, TILE, collect,
+};
 use manylight_math::Spectrum;
 use manylight_scene::{Mode, Scene};
 
@@ -17,6 +19,10 @@ pub(crate) fn add_residual(
     let scheduler = film.scheduler();
     let frame = Frame { scene, gbuffer: &gbuffer, bounding, rendered: &film.image, onward, scheduler };
     let residual = compensator.residual(&frame, film.seed, film.pass, probe);
+    if let Some(i) = film.explained {
+        let at = Depth { edges: gbuffer.pixels[i].map_or(1, |p| p.edges), level: 0 };
+        probe.explain_residual(at, residual.pixels[i]);
+    }
     for (i, (pixel, more)) in film.image.pixels.iter_mut().zip(residual.pixels).enumerate() {
         if more.is_finite() {
             *pixel += more;

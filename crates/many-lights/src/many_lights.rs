@@ -139,7 +139,10 @@ where
         }
         if let Some(c) = compensator {
             let onward = Further { method: self, scene, prepared: p };
+            // Of the lights that are asked further on, only the sum is told.
+            let explanation = probe.explain.take();
             let residual = c.residual(scene, x, at, bounding, &onward, probe, s);
+            probe.explain = explanation;
             probe.explain_residual(at, residual);
             sum += residual;
         }

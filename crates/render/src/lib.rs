@@ -22,6 +22,7 @@
 mod accumulator;
 mod budget;
 mod error;
+mod explain;
 pub mod files;
 mod memory;
 mod run;
@@ -31,6 +32,7 @@ mod workers;
 pub use accumulator::Accumulator;
 pub use budget::Budget;
 pub use error::RenderError;
+pub use explain::{Explained, explain};
 pub use memory::peak_memory;
 pub use run::{Observer, Progress, Rendering, Settings, render};
 pub use stats::{NonFinite, Rays, SampleAt, Seconds, Stats, Subject};
