@@ -75,7 +75,9 @@ fn roulette_and_fresh_lights_for_the_emitters_do_not_change_the_mean() {
 
 #[test]
 fn path_tracing_agrees_with_mitsuba_on_our_scenes() {
-    for (name, size, passes) in [("cornell-box", (48, 48), 48), ("corner", (48, 48), 48), ("ajar", (64, 36), 48)] {
+    for (name, size, passes) in
+        [("cornell-box", (48, 48), 48), ("corner", (48, 48), 48), ("ajar", (64, 36), 48), ("kitchen", (64, 36), 48)]
+    {
         let scene = our_scene(name, size);
         let (mean, std_error) = reference_blocks(&repository().join("scenes").join(name).join("reference.exr"), 4);
         let path = recipe("path", &["spp=16"], &scene);
