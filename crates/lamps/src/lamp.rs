@@ -19,7 +19,7 @@ pub struct LampCluster {
     pub bounds: Aabb,
     /// Unit, of a cone about all normals; zero for light from infinity.
     pub axis: Vec3,
-    /// Half angle of the cone; pi where one shines to all sides. [rad]
+    /// Half angle of the cone; pi where one shines to all sides. \[rad\]
     pub half: f32,
     /// Luminance of the radiant intensity along the axes, summed [W/sr]; from infinity, of the irradiance [W/m^2].
     pub intensity: f32,
