@@ -14,7 +14,7 @@ const FLOORS: &[(u32, &[&str])] = &[
     (3, &["bsdf", "media"]),
     (4, &["scene"]),
     (5, &["framework", "scene-io"]),
-    (6, &["vpl", "compensation", "light-list", "light-tree", "many-lights", "reference", "render"]),
+    (6, &["vpl", "compensation", "light-list", "lamps", "light-tree", "many-lights", "reference", "render"]),
     (7, &["metropolis-ir", "vrl", "vsl"]),
     (RECIPES, &["recipes", "report"]),
     (9, &["cli"]),
@@ -43,10 +43,10 @@ const NEVER: &[(&str, &[&str], &str)] = &[
 ];
 
 /// Crates that share no transport code, directly or by way of others, else the yardstick errs with what it measures.
-const APART: [&str; 3] = ["reference", "vpl", "many-lights"];
+const APART: [&str; 4] = ["reference", "vpl", "many-lights", "lamps"];
 
 /// Parts that only `recipes` and what is above it may name.
-const PARTS: &[&str] = &["compensation", "light-list", "light-tree", "many-lights", "reference", "render"];
+const PARTS: &[&str] = &["compensation", "lamps", "light-list", "light-tree", "many-lights", "reference", "render"];
 
 /// What only some crates may do to the world: what, as it looks in a source, who may.
 const WORLDLY: &[(&str, &[&str], &[&str])] = &[

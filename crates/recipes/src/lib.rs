@@ -14,6 +14,7 @@
 mod error;
 mod params;
 mod parts;
+mod path_lights;
 mod registry;
 mod values;
 mod yardsticks;

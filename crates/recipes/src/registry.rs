@@ -4,7 +4,7 @@ use crate::error::near;
 use crate::params::{BIDIRECTIONAL, COMMON, PATH, TRACERS};
 use crate::parts::{MANY_LIGHTS, media};
 use crate::values::Values;
-use crate::{Param, RecipeError, parts, yardsticks};
+use crate::{Param, RecipeError, parts, path_lights, yardsticks};
 use manylight_framework::{Claim, Method, PathClasses};
 use manylight_scene::Scene;
 
@@ -121,6 +121,14 @@ static METHODS: &[MethodInfo] = &[
         own: media::VRL,
         presets: &[],
         compose: media::rays,
+    },
+    MethodInfo {
+        name: "path-lights",
+        summary: "path tracing whose next-event estimation is a light set over the emitters",
+        paper: "Conty Estevez and Kulla 2018, Importance sampling of many lights with adaptive tree splitting; Yuksel 2019, Stochastic lightcuts",
+        own: &[path_lights::PARAMS],
+        presets: &[],
+        compose: path_lights::path_lights,
     },
     MethodInfo {
         name: "path",

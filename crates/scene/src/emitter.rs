@@ -4,7 +4,7 @@ use crate::media::Media;
 use crate::vertex::{EmitterPoint, Scatter, Vertex};
 use crate::{Camera, Environment, Source, Texture};
 use manylight_geometry::{Geometry, ShapeGeometry, offset_from};
-use manylight_math::{Frame, INV_4PI, INV_PI, MediumId, Ray, Spectrum, Vec2, Vec3};
+use manylight_math::{Aabb, Frame, INV_4PI, INV_PI, MediumId, Ray, Spectrum, Vec2, Vec3};
 use manylight_sampling::{AliasTable, Stream, warp};
 use std::f32::consts::PI;
 
@@ -71,6 +71,47 @@ pub struct EmitterSample {
     pub density: Option<f32>,
     /// Index of the emitter.
     pub emitter: u32,
+}
+
+/// One emitter, or one triangle of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Index of the emitter.
+    pub emitter: u32,
+    /// Of an emitting mesh.
+    pub triangle: Option<u32>,
+}
+
+/// A piece of an emitter, as something that can be drawn from and told apart from afar.
+#[derive(Clone, Copy, Debug)]
+pub struct EmitterPart {
+    /// Which piece.
+    pub part: Part,
+    /// Of its points; of its directions, if it is infinitely far away. \[m\]
+    pub bounds: Aabb,
+    /// To where it shines.
+    pub axis: PartAxis,
+    /// Luminance of the radiant intensity along its axis [W/sr]; of its irradiance [W/m^2], if it is infinitely far away.
+    pub strength: f32,
+}
+
+/// To where a piece of an emitter shines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PartAxis {
+    /// To one side, by the cosine to this unit normal.
+    About(Vec3),
+    /// To all sides.
+    AllAround,
+    /// From directions.
+    FromInfinity,
+}
+
+/// Area of a triangle of a mesh; `whole` of what has none. [m^2]
+fn part_area(shape: &ShapeGeometry, part: Part, whole: f64) -> f64 {
+    match (shape, part.triangle) {
+        (ShapeGeometry::Mesh(m), Some(t)) => m.triangle_area(t as usize),
+        _ => whole,
+    }
 }
 
 /// A ray from an emitter.
@@ -233,6 +274,10 @@ impl Emitters {
             _ => Spectrum::BLACK,
         }
     }
+    /// Index of the light from infinity that a ray can meet.
+    pub fn environment_emitter(&self) -> Option<u32> {
+        self.environment
+    }
     /// Is there light from infinity that a ray can meet?
     pub fn has_environment(&self) -> bool {
         self.environment.is_some()
@@ -250,7 +295,87 @@ impl Emitters {
     /// Draws a point of an emitter, or a direction to infinity. `None` if nothing shines (there).
     pub fn sample(&self, geometry: &Geometry, textures: &[Texture], s: &mut Stream) -> Option<EmitterSample> {
         let i = self.pick.as_ref()?.sample(s.next_f64());
-        let pmf = self.pmf(i as u32);
+        self.draw(i, self.pmf(i as u32), None, geometry, textures, s)
+    }
+    /// Draws a point of one emitter, or of one triangle of it, or a direction: as `sample` does, were there no other emitter.
+    /// `None` if there is nothing to draw.
+    pub fn sample_part(
+        &self,
+        part: Part,
+        geometry: &Geometry,
+        textures: &[Texture],
+        s: &mut Stream,
+    ) -> Option<EmitterSample> {
+        self.draw(part.emitter as usize, 1.0, part.triangle, geometry, textures, s)
+    }
+    /// Density with which `sample_part` draws a point of a shape [1/m^2], or this direction to infinity [1/sr]; `None` for points and
+    /// parallel light.
+    pub fn pdf_of_part(&self, part: Part, geometry: &Geometry, to_infinity: Vec3) -> Option<f32> {
+        match &self.samplers[part.emitter as usize] {
+            Sampler::Area { shape, area, .. } => {
+                Some((1.0 / part_area(&geometry.shapes()[*shape as usize], part, *area)) as f32)
+            }
+            Sampler::Environment(map) => Some(map.pdf_sa(to_infinity)),
+            Sampler::Constant { .. } => Some(INV_4PI),
+            Sampler::Point { .. } | Sampler::Directional { .. } => None,
+        }
+    }
+    /// The emitters piece by piece: each triangle of a mesh, each other shape, each source that is no shape. What does not shine is
+    /// left out. Where a texture makes them uneven the emitter's mean is taken for each.
+    pub fn parts(&self, geometry: &Geometry, textures: &[Texture]) -> Vec<EmitterPart> {
+        let mut parts = Vec::new();
+        for (emitter, sampler) in self.samplers.iter().enumerate() {
+            let whole = Part { emitter: emitter as u32, triangle: None };
+            let mut add = |part, bounds: Aabb, axis, strength: f64| {
+                if strength > 0.0 {
+                    parts.push(EmitterPart { part, bounds, axis, strength: strength as f32 });
+                }
+            };
+            let around = Aabb { lo: -Vec3::ONE, hi: Vec3::ONE };
+            let luminance = |c: Spectrum| c.luminance() as f64;
+            match sampler {
+                Sampler::Area { shape, radiance, area, .. } => {
+                    let mean = luminance(radiance.mean(textures));
+                    match &geometry.shapes()[*shape as usize] {
+                        ShapeGeometry::Mesh(m) => {
+                            for t in 0..m.triangles.len() {
+                                let part = Part { triangle: Some(t as u32), ..whole };
+                                let x = geometry.surface_on_triangle(*shape, t as u32, Vec2::splat(1.0 / 3.0));
+                                add(part, Aabb::around(m.corners(t)), PartAxis::About(x.ng), mean * m.triangle_area(t));
+                            }
+                        }
+                        round @ ShapeGeometry::Disk(d) => {
+                            add(whole, round.bounds(), PartAxis::About(d.frame.n), mean * area)
+                        }
+                        // Seen from anywhere it is a disc, a quarter of its surface.
+                        round => add(whole, round.bounds(), PartAxis::AllAround, mean * 0.25 * area),
+                    }
+                }
+                Sampler::Point { position, intensity } => {
+                    add(whole, Aabb::point(*position), PartAxis::AllAround, luminance(*intensity))
+                }
+                Sampler::Directional { direction, irradiance } => {
+                    add(whole, Aabb::point(-*direction), PartAxis::FromInfinity, luminance(*irradiance))
+                }
+                Sampler::Constant { radiance } => {
+                    add(whole, around, PartAxis::FromInfinity, luminance(*radiance) * 4.0 * std::f64::consts::PI)
+                }
+                Sampler::Environment(map) => {
+                    add(whole, around, PartAxis::FromInfinity, luminance(map.mean()) * 4.0 * std::f64::consts::PI)
+                }
+            }
+        }
+        parts
+    }
+    fn draw(
+        &self,
+        i: usize,
+        pmf: f32,
+        triangle: Option<u32>,
+        geometry: &Geometry,
+        textures: &[Texture],
+        s: &mut Stream,
+    ) -> Option<EmitterSample> {
         let made = |point: EmitterPoint, p: Vec3, flux: Spectrum, density: Option<f32>| {
             let vertex = Vertex { p, scatter: Scatter::Emitter(point) };
             Some(EmitterSample { vertex, flux, density, emitter: i as u32 })
@@ -258,15 +383,18 @@ impl Emitters {
         match &self.samplers[i] {
             Sampler::Area { shape, radiance, area, triangles } => {
                 let u = s.next_2d();
-                let x = match (triangles, &geometry.shapes()[*shape as usize]) {
+                let geometry_of = &geometry.shapes()[*shape as usize];
+                let part = Part { emitter: i as u32, triangle };
+                let x = match (triangles, geometry_of) {
                     (Some(table), _) => {
-                        geometry.surface_on_triangle(*shape, table.sample(s.next_f64()) as u32, warp::triangle(u))
+                        let triangle = triangle.unwrap_or_else(|| table.sample(s.next_f64()) as u32);
+                        geometry.surface_on_triangle(*shape, triangle, warp::triangle(u))
                     }
                     (None, ShapeGeometry::Sphere(_)) => geometry.surface_on_sphere(*shape, warp::sphere(u)),
                     (None, ShapeGeometry::Disk(_)) => geometry.surface_on_disk(*shape, warp::disc(u)),
                     (None, ShapeGeometry::Mesh(_)) => return None, // without area
                 };
-                let density = pmf / *area as f32;
+                let density = pmf / part_area(geometry_of, part, *area) as f32;
                 let point = EmitterPoint::Lambert { n: x.ng, error: x.error };
                 made(point, x.p, radiance.at(textures, x.uv) * (PI / density), Some(density))
             }

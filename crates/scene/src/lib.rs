@@ -36,7 +36,7 @@ mod texture;
 mod vertex;
 
 pub use camera::Camera;
-pub use emitter::{Emission, Emitter, EmitterSample, Emitters};
+pub use emitter::{Emission, Emitter, EmitterPart, EmitterSample, Emitters, Part, PartAxis};
 pub use environment::Environment;
 pub use filter::{Filter, FilterSampler};
 pub use manylight_bsdf::{Bsdf, Lobe, Mode};

@@ -3,8 +3,8 @@
 use crate::media::{Boundaries, Media};
 use crate::vertex::{Edge, MediumPoint, Scatter, Sides, SurfacePoint, Vertex};
 use crate::{
-    Boundary, Camera, Emission, Emitter, EmitterSample, Emitters, Filter, Material, MaterialId, Run, Source, Texture,
-    TextureId,
+    Boundary, Camera, Emission, Emitter, EmitterPart, EmitterSample, Emitters, Filter, Material, MaterialId, Part, Run,
+    Source, Texture, TextureId,
 };
 use manylight_bsdf::{Bsdf, Mode};
 use manylight_geometry::{Geometry, GeometryError, Hit, ShapeGeometry, offset_from, shadow_segment};
@@ -424,6 +424,25 @@ impl Scene {
     /// Draws a point of an emitter, or a direction to infinity. `None` if nothing shines.
     pub fn sample_emitter(&self, s: &mut Stream) -> Option<EmitterSample> {
         self.emitters.sample(&self.geometry, &self.textures, s)
+    }
+    /// The emitters piece by piece, see `Emitters::parts`.
+    pub fn emitter_parts(&self) -> Vec<EmitterPart> {
+        self.emitters.parts(&self.geometry, &self.textures)
+    }
+    /// Draws a point of one piece of an emitter, see `Emitters::sample_part`.
+    pub fn sample_part(&self, part: Part, s: &mut Stream) -> Option<EmitterSample> {
+        self.emitters.sample_part(part, &self.geometry, &self.textures, s)
+    }
+    /// The piece of an emitter that a ray meets first: what `intersect` meets, named.
+    pub fn part_along(&self, ray: &Ray) -> Option<Part> {
+        let hit = self.geometry.intersect(ray)?;
+        let emitter = self.shapes[hit.shape as usize].emitter;
+        let mesh = matches!(self.geometry.shapes()[hit.shape as usize], ShapeGeometry::Mesh(_));
+        (emitter != u32::MAX).then_some(Part { emitter, triangle: mesh.then_some(hit.triangle) })
+    }
+    /// Density of `sample_part`, see `Emitters::pdf_of_part`.
+    pub fn pdf_of_part(&self, part: Part, to_infinity: Vec3) -> Option<f32> {
+        self.emitters.pdf_of_part(part, &self.geometry, to_infinity)
     }
     /// Draws a ray of light. `None` if nothing shines.
     pub fn sample_emission(&self, s: &mut Stream) -> Option<Emission> {

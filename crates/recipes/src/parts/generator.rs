@@ -98,6 +98,9 @@ const CHAINS: &[&str] = &["metropolis"];
 
 /// The generator, or the sum of several.
 pub(crate) fn vpls(v: &Values, scene: &Scene) -> Result<Vpls, RecipeError> {
+    if direct::by_points(v) {
+        return one("emitters", v, scene);
+    }
     if v.text("direct") == "only" {
         return Ok(Box::new(NoLights));
     }

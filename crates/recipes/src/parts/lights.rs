@@ -6,6 +6,7 @@ use crate::parts::{bound, compensation};
 use crate::values::Values;
 use manylight_compensation::BoundPlan;
 use manylight_framework::{Bounds, Clustered, Generator, Kernel, Method, Plan, Reaches};
+use manylight_lamps::{LampKernel, Lamps};
 use manylight_light_list::{All, Power};
 use manylight_light_tree::{Build, CutBy, Growth, LightBvh, Lightcuts, Standing, StochasticLightcuts};
 use manylight_many_lights::ManyLights;
@@ -72,10 +73,7 @@ where
     let or_none = |name: &str, none: f32| if v.text(name) == "none" { Ok(none) } else { v.number(name) };
     match v.text("lights") {
         "power" => composed(v, scene, generator, Power { samples: v.integer("samples")? as u32 }, kernel),
-        "light-bvh" => {
-            let plan = LightBvh { samples: v.integer("samples")? as u32, growth };
-            composed(v, scene, generator, plan, kernel)
-        }
+        "light-bvh" => composed(v, scene, generator, light_bvh(v, growth)?, kernel),
         "lightcuts" => {
             let standing = match v.text("representatives") {
                 "receiver" => Standing::Receiver,
@@ -85,15 +83,28 @@ where
             let (error, most) = (or_none("error", 0.0)?, v.integer("max-cut")? as u32);
             composed(v, scene, generator, Lightcuts { error, most, standing, growth }, kernel)
         }
-        "stochastic-lightcuts" => {
-            let by = match v.text("cut-error") {
-                "none" => CutBy::Size,
-                _ => CutBy::Error(v.number("cut-error")?),
-            };
-            let plan = StochasticLightcuts { size: v.integer("cut")? as u32, by, growth };
-            composed(v, scene, generator, plan, kernel)
-        }
+        "stochastic-lightcuts" => composed(v, scene, generator, stochastic(v, growth)?, kernel),
         _ => composed(v, scene, generator, All, kernel),
+    }
+}
+
+fn light_bvh(v: &Values, growth: Growth) -> Result<LightBvh, RecipeError> {
+    Ok(LightBvh { samples: v.integer("samples")? as u32, growth })
+}
+fn stochastic(v: &Values, growth: Growth) -> Result<StochasticLightcuts, RecipeError> {
+    let by = match v.text("cut-error") {
+        "none" => CutBy::Size,
+        _ => CutBy::Error(v.number("cut-error")?),
+    };
+    Ok(StochasticLightcuts { size: v.integer("cut")? as u32, by, growth })
+}
+
+/// Direct light alone, from the emitters themselves.
+pub(crate) fn over_lamps(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
+    let growth = growth(v, scene)?;
+    match v.text("lights") {
+        "light-bvh" => composed(v, scene, Box::new(Lamps), light_bvh(v, growth)?, LampKernel),
+        _ => composed(v, scene, Box::new(Lamps), stochastic(v, growth)?, LampKernel),
     }
 }
 

@@ -22,5 +22,5 @@ pub(crate) const MANY_LIGHTS: &[&[Param]] =
 
 pub(crate) fn many_lights(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
     direct::check(v)?;
-    kernel::compose(v, scene)
+    if direct::by_lamps(v) { lights::over_lamps(v, scene) } else { kernel::compose(v, scene) }
 }
