@@ -24,3 +24,10 @@ pub(crate) fn many_lights(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, 
     direct::check(v)?;
     kernel::compose(v, scene)
 }
+
+pub use generator::Vpls;
+
+pub(crate) fn point_lights(v: &Values, scene: &Scene) -> Result<Vpls, RecipeError> {
+    direct::check(v)?;
+    generator::vpls(v, scene)
+}
