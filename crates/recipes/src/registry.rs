@@ -79,7 +79,7 @@ static METHODS: &[MethodInfo] = &[
         summary: "virtual point lights from light paths and from eye paths, of which those are taken that bring the camera something",
         paper: "Segovia, Iehl, Mitanchey and Peroche 2006, Bidirectional instant radiosity",
         own: MANY_LIGHTS,
-        presets: &[("generator", "bidirectional"), ("paths", "1024"), ("importance-floor", "0.1")],
+        presets: &[("generator", "bidirectional"), ("paths", "1024"), ("importance-floor", "0.3")],
         compose: parts::many_lights,
     },
     MethodInfo {
