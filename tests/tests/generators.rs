@@ -5,14 +5,17 @@
 
 use manylight_compensation::{Bound, BoundPlan};
 use manylight_framework::{Batch, Claim, Compensation, GenerateError, Generator, Method, Probe, Promise};
+use manylight_geometry::{ShapeGeometry, TriangleMesh};
 use manylight_integration::bounded_path::BoundedPath;
-use manylight_integration::rooms::{furnace, hollow_ball};
-use manylight_integration::{block_runs, effort, our_scene, recipe};
+use manylight_integration::rooms::{
+    built, camera, diffuse, disc_light, furnace, hollow_ball, hollow_cube, place, plane_under,
+};
+use manylight_integration::{block_runs, effort, our_scene, pass, recipe};
 use manylight_light_list::All;
 use manylight_many_lights::ManyLights;
-use manylight_math::Spectrum;
+use manylight_math::{DAffine3, DVec3, Spectrum, Vec3};
 use manylight_metropolis_ir::{Metropolis, Start};
-use manylight_scene::Scene;
+use manylight_scene::{Emitter, Scene};
 use manylight_stats::{BlockTest, Reference, Runs, Verdict};
 use manylight_vpl::{Emission, Keller, Points, Rejection, Vpl};
 
@@ -134,5 +137,79 @@ fn in_a_closed_room_radiance_is_what_it_should_be() {
         let v = verdict(&block_runs(&scene, &*r.method, r.spp, 3, 64, 1), Reference::Exact(&[2.0; 3]));
         println!("furnace, {method}: {v}");
         assert!(v.passes(), "{method}: {v}");
+    }
+}
+
+/// A floor and a ceiling; what lies above the ceiling is seen by nobody below it.
+fn storeys(lamps: &[(Vec3, f32)], looks_at: DVec3) -> Scene {
+    let mut b = Scene::builder();
+    let white = diffuse(&mut b, Spectrum::gray(0.5));
+    place(&mut b, hollow_cube(2.0), white, None);
+    let ceiling = TriangleMesh::cube(&DAffine3::from_scale_rotation_translation(
+        DVec3::new(1.999, 1.999, 0.05),
+        Default::default(),
+        DVec3::new(0.0, 0.0, 0.5),
+    ));
+    place(&mut b, ShapeGeometry::Mesh(ceiling), white, None);
+    for &(position, intensity) in lamps {
+        b.emitter(Emitter::Point { position, intensity: Spectrum::gray(intensity) });
+    }
+    b.camera(camera(DVec3::new(0.3, 0.2, -0.9), looks_at, 60.0, (8, 8)));
+    built(b)
+}
+
+#[test]
+fn hard_cases_are_black_or_right() {
+    let below = DVec3::new(0.0, 0.0, -2.0);
+    for (method, own) in METHODS {
+        let of = |scene: &Scene, more: &[&str]| {
+            let all: Vec<&str> = ["bound=1", "paths=256", "min-depth=3"]
+                .into_iter()
+                .chain(own.iter().copied())
+                .chain(more.iter().copied())
+                .collect();
+            recipe(method, &all, scene)
+        };
+        // The lamp is on the other storey (through a crack a millimetre wide some light may come): no importon sees any light.
+        let dark = storeys(&[(Vec3::new(0.0, 0.0, 1.2), 1.0)], below);
+        let (image, probe) = pass(&dark, &*of(&dark, &[]).method, 1, 1, 0);
+        assert!(image.pixels.iter().all(|p| p.is_valid() && p.largest() < 1e-2), "{method}");
+        assert!(probe.light_paths >= 256, "{method}");
+        // The camera looks into the void: nothing to weigh lights by.
+        let void = plane_under(disc_light, (4, 4));
+        let mut outside = Scene::builder();
+        let grey = diffuse(&mut outside, Spectrum::gray(0.5));
+        place(&mut outside, ShapeGeometry::Mesh(TriangleMesh::rectangle(&DAffine3::IDENTITY)), grey, None);
+        disc_light(&mut outside);
+        outside.camera(camera(DVec3::new(0.0, 0.0, 3.0), DVec3::new(0.0, 0.0, 9.0), 40.0, (4, 4)));
+        let outside = built(outside);
+        for scene in [&void, &outside] {
+            let (image, _) = pass(scene, &*of(scene, &[]).method, 1, 1, 0);
+            assert!(image.pixels.iter().all(|p| p.is_valid()), "{method}");
+        }
+        assert!(pass(&outside, &*of(&outside, &[]).method, 1, 1, 0).0.pixels.iter().all(|p| p.is_black()), "{method}");
+        // One lamp of 17 lights what is seen; the others are fifty times as bright, and on the other storey.
+        let mut lamps: Vec<_> = (0..16).map(|i| (Vec3::new(-1.5 + 0.2 * i as f32, 0.3, 1.2), 3.0)).collect();
+        lamps.push((Vec3::new(0.5, -0.3, -0.4), 1.0));
+        let scene = storeys(&lamps, below);
+        let path = BoundedPath { bounding: Bound::Geometry(1.0), max_edges: u32::MAX };
+        let truth = block_runs(&scene, &path, 64, 12, effort(32), 1);
+        let r = of(&scene, &[]);
+        let v = verdict(&block_runs(&scene, &*r.method, r.spp, 19, effort(64), 1), Reference::Runs(&truth));
+        println!("one lamp among seventeen, {method}: {v}");
+        assert!(v.passes(), "{method}: {v}");
+    }
+}
+
+#[test]
+fn a_pass_of_lights_does_not_depend_on_threads() {
+    let scene = our_scene("ajar", (16, 9));
+    for (method, own) in METHODS {
+        let r = recipe(method, &own.iter().copied().chain(["paths=300"]).collect::<Vec<_>>(), &scene);
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| pass(&scene, &*r.method, 1, 4, 2).0)
+        };
+        assert!(on(1) == on(3), "{method}");
     }
 }

@@ -73,7 +73,7 @@ fn all_strategies_together_are_the_path_tracer() {
             let given: Vec<&str> = if heuristic.is_empty() { vec![] } else { vec![&params] };
             let r = recipe(method, &given, &scene);
             let v =
-                verdict(&block_runs(&scene, &*r.method, 16, 6, effort(48), grid).with_mean(), Reference::Runs(&truth));
+                verdict(&block_runs(&scene, &*r.method, 8, 6, effort(48), grid).with_mean(), Reference::Runs(&truth));
             println!("{name}, {method} {heuristic}: {v}");
             assert!(v.passes(), "{name}, {method} {heuristic}: {v}");
         }

@@ -23,6 +23,8 @@ pub struct Cli {
 pub enum Command {
     /// Renders a scene to an EXR image, with a PNG beside it to look at
     Render(Render),
+    /// Writes where a method puts its virtual point lights, as a PLY file
+    Lights(Lights),
     /// Says how far two images are apart
     Diff(Diff),
     /// Says which virtual lights made a pixel, what the bound took, and what compensation gave
@@ -79,6 +81,38 @@ pub struct Render {
     /// Prints warnings and errors only
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// Writes where a method puts its virtual point lights, as a PLY file.
+///
+/// Each vertex has position (x, y, z) \[m\], flux (flux_r, flux_g, flux_b) \[W\], the edges from the emitter, and a colour (red,
+/// green, blue) for viewers: the flux's, at full brightness.
+#[derive(Debug, Args)]
+pub struct Lights {
+    /// Scene file (Mitsuba 3 XML)
+    #[arg(value_name = "SCENE.xml")]
+    pub scene: PathBuf,
+    /// PLY file to write
+    #[arg(short, long, value_name = "OUT.ply", value_parser = ply_path)]
+    pub output: PathBuf,
+    /// Method that has a generator of point lights; `manylight list` shows them all
+    #[arg(long, value_name = "NAME", default_value = manylight_recipes::methods()[0].name)]
+    pub method: String,
+    /// Sets a parameter of the method; `manylight list NAME` shows them (may be repeated)
+    #[arg(short = 'P', value_name = "key=value", value_parser = key_value)]
+    pub parameters: Vec<(String, String)>,
+    /// Fills in $name in the scene file (may be repeated)
+    #[arg(short = 'D', value_name = "name=value", value_parser = key_value)]
+    pub defines: Vec<(String, String)>,
+    /// Which pass's lights
+    #[arg(long, default_value_t = 0)]
+    pub pass: u64,
+    /// What all random numbers follow from
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Writes text instead of binary numbers
+    #[arg(long)]
+    pub ascii: bool,
 }
 
 /// Says how far two images are apart.
@@ -166,6 +200,14 @@ fn exr_path(s: &str) -> Result<PathBuf, String> {
 fn pixel(s: &str) -> Result<(u32, u32), String> {
     let numbers = s.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
     numbers.ok_or_else(|| "expected two whole numbers, such as 12,34".into())
+}
+
+fn ply_path(s: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(s);
+    match path.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("ply") => Ok(path),
+        _ => Err("the name must end in .ply".into()),
+    }
 }
 
 fn key_value(s: &str) -> Result<(String, String), String> {

@@ -5,6 +5,7 @@ mod diff;
 mod explain;
 mod failure;
 mod interrupt;
+mod lights;
 mod list;
 mod output;
 mod progress;
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
     };
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Lights(args) => lights::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::List(args) => list::run(&args),

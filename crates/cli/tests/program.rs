@@ -241,7 +241,7 @@ fn help_shows_only_what_there_is() {
     let (out, _) = ends_with(0, &here, "--help");
     let commands = out.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let names: Vec<_> = commands.filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(names, ["render", "diff", "list", "scene", "help"]);
+    assert_eq!(names, ["render", "lights", "diff", "explain", "list", "scene", "help"]);
     ends_with(0, &here, "--version");
     ends_with(1, &here, "");
 }
@@ -280,4 +280,33 @@ fn a_pixel_is_explained_by_its_lights_its_bound_and_its_compensation() {
     let out = manylight(&directory, "explain lamp.xml --pixel 24,0");
     assert_eq!(out.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&out.stderr).contains("24 x 16 pixels"));
+}
+
+#[test]
+fn lights_writes_where_they_are() {
+    let here = workplace();
+    for method in ["instant-radiosity", "rejection", "bidirectional-ir", "metropolis-ir"] {
+        let args = format!("lights lamp.xml --method {method} -P paths=64 -o {method}.ply");
+        let (out, _) = ends_with(0, &here, &args);
+        assert!(out.contains(&format!("wrote {method}.ply")), "{out}");
+        let bytes = fs::read(here.path().join(format!("{method}.ply"))).unwrap();
+        let header = String::from_utf8_lossy(&bytes[..bytes.windows(11).position(|w| w == b"end_header\n").unwrap()]);
+        let lights: usize = header.split("element vertex ").nth(1).unwrap().lines().next().unwrap().parse().unwrap();
+        // Six floats, the edges, and three bytes of colour.
+        assert!(lights > 0 && bytes.len() == header.len() + 11 + lights * 31, "{method}: {lights} lights");
+    }
+    // As text, the same twice; the lights of a lamp over a floor lie on the floor.
+    let text = |name: &str| {
+        ends_with(0, &here, &format!("lights lamp.xml --ascii -P paths=50 --seed 3 -o {name}"));
+        fs::read_to_string(here.path().join(name)).unwrap()
+    };
+    let (a, b) = (text("a.ply"), text("b.ply"));
+    assert_eq!(a, b);
+    for line in a.split("end_header\n").nth(1).unwrap().lines() {
+        let numbers: Vec<f32> = line.split(' ').map(|n| n.parse().unwrap()).collect();
+        assert!(numbers.len() == 10 && numbers[1].abs() < 1e-3 && numbers[6] == 1.0, "{line}");
+    }
+    is_refused(&here, "lights lamp.xml --method path -o c.ply", "instant-radiosity");
+    is_refused(&here, "lights lamp.xml -o c.obj", ".ply");
+    is_refused(&here, "lights lamp.xml -P pathes=3 -o c.ply", "paths");
 }

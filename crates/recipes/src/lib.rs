@@ -21,4 +21,5 @@ mod yardsticks;
 
 pub use error::RecipeError;
 pub use params::{Kind, Param};
-pub use registry::{MethodInfo, Recipe, build, method, methods};
+pub use parts::Vpls;
+pub use registry::{MethodInfo, Recipe, build, method, methods, point_lights};

@@ -79,7 +79,7 @@ static METHODS: &[MethodInfo] = &[
         summary: "virtual point lights from light paths and from eye paths, of which those are taken that bring the camera something",
         paper: "Segovia, Iehl, Mitanchey and Peroche 2006, Bidirectional instant radiosity",
         own: MANY_LIGHTS,
-        presets: &[("generator", "bidirectional"), ("paths", "1024"), ("importance-floor", "0.1")],
+        presets: &[("generator", "bidirectional"), ("paths", "1024"), ("importance-floor", "0.3")],
         compose: parts::many_lights,
     },
     MethodInfo {
@@ -197,6 +197,22 @@ pub fn method(name: &str) -> Result<&'static MethodInfo, RecipeError> {
         .iter()
         .find(|m| m.name == name)
         .ok_or_else(|| RecipeError::Method { name: name.into(), near: near(name, METHODS.iter().map(|m| m.name)) })
+}
+
+/// The generator of point lights that a composed method would render with, to be looked at without rendering.
+pub fn point_lights(name: &str, params: &[(String, String)], scene: &Scene) -> Result<parts::Vpls, RecipeError> {
+    let info = method(name)?;
+    if !info.params().any(|p| p.name == "generator") {
+        let with: Vec<_> =
+            METHODS.iter().filter(|m| m.params().any(|p| p.name == "generator")).map(|m| m.name).collect();
+        return Err(RecipeError::Contrary(format!(
+            "`{name}` has no generator of point lights to show: choose one of {}",
+            with.join(", ")
+        )));
+    }
+    // Whatever would be wrong with the method is wrong with its lights.
+    build(name, params, scene)?;
+    parts::point_lights(&Values::new(info, params)?, scene)
 }
 
 /// The method of a name with parameters, for a scene.

@@ -92,3 +92,117 @@ impl Ways {
         1.0 / sum
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::subpath::{direction, walk};
+    use manylight_framework::Probe;
+    use manylight_geometry::{ShapeGeometry, Sphere, TriangleMesh};
+    use manylight_math::{DAffine3, DVec3, Spectrum, Vec3};
+    use manylight_sampling::{Purpose, Stream};
+    use manylight_scene::{Camera, EmitterPoint, Material, Mode, Model, Scatter, Scene, Shape, Source};
+
+    /// A diffuse ball in a glossy room with an emitting wall.
+    fn scene() -> Scene {
+        let mut b = Scene::builder();
+        let grey = b.material(Material::two_sided(
+            "grey",
+            Model::Diffuse { reflectance: Source::Constant(Spectrum::gray(0.9)) },
+        ));
+        let metal = b.material(Material::two_sided(
+            "metal",
+            Model::RoughConductor {
+                distribution: manylight_bsdf::Distribution::Ggx,
+                alpha_u: 0.4,
+                alpha_v: 0.4,
+                eta: Spectrum::gray(0.2),
+                k: Spectrum::gray(3.9),
+                reflectance: Source::Constant(Spectrum::ONE),
+            },
+        ));
+        let mut add = |geometry, material, radiance: Option<Spectrum>| {
+            b.shape(Shape { name: "s".into(), geometry, material, radiance: radiance.map(Source::Constant) });
+        };
+        let mut room = TriangleMesh::cube(&DAffine3::from_scale(DVec3::splat(2.0)));
+        room.flip_normals();
+        add(ShapeGeometry::Mesh(room), metal, None);
+        add(ShapeGeometry::Sphere(Sphere::new(Vec3::new(0.3, 0.1, 0.2), 0.7)), grey, None);
+        let lamp = TriangleMesh::rectangle(&DAffine3::from_scale_rotation_translation(
+            DVec3::splat(0.6),
+            Default::default(),
+            DVec3::new(0.0, 0.0, -1.9),
+        ));
+        add(ShapeGeometry::Mesh(lamp), grey, Some(Spectrum::ONE));
+        b.camera(Camera::perspective(DAffine3::from_translation(DVec3::new(0.2, 0.0, -1.5)), 60.0, (8, 8)).unwrap());
+        b.build().unwrap()
+    }
+
+    #[test]
+    fn densities_are_those_of_an_oracle_and_weights_of_all_strategies_sum_to_one() {
+        let scene = scene();
+        let lens = crate::splat::Lens::new(*scene.camera(), scene.filter());
+        let mut joined = 0;
+        for i in 0..400 {
+            let mut s = Stream::new(1, [0, i, 0], Purpose::TEST);
+            let mut probe = Probe::default();
+            let ray = scene.camera().ray(s.next_2d() * 8.0);
+            let pinhole = Vertex { p: ray.origin, scatter: Scatter::Emitter(EmitterPoint::Isotropic) };
+            let mut x = vec![Node::new(pinhole, Spectrum::ONE, 1.0)];
+            walk(
+                &scene,
+                &mut x,
+                ray,
+                Spectrum::ONE,
+                |_, v| lens.density(v),
+                (4, 99),
+                Mode::Radiance,
+                &mut probe,
+                &mut s,
+            );
+            let emission = scene.sample_emission(&mut s).unwrap();
+            let mut y =
+                vec![Node::new(emission.start.vertex, emission.start.flux, emission.start.density.unwrap() as f64)];
+            let first =
+                |a: &Node, b: &Vertex| emission_density(&a.vertex, direction(&a.vertex, b)) * per_area(&a.vertex, b);
+            walk(&scene, &mut y, emission.ray, emission.flux, first, (4, 99), Mode::Importance, &mut probe, &mut s);
+            if x.len() < 4 || y.len() < 4 {
+                continue;
+            }
+            joined += 1;
+            for (light, eye) in [(1, 4), (2, 3), (3, 2), (4, 1), (4, 4), (2, 2)] {
+                let ways = Ways::new(&y[..light], &x[..eye], y[0].ahead, true, |v| lens.density(v));
+                let path: Vec<Vertex> =
+                    y[..light].iter().map(|n| n.vertex).chain(x[..eye].iter().rev().map(|n| n.vertex)).collect();
+                let n = path.len() - 1;
+                for i in 2..n {
+                    let fresh = scattering_density(&path[i - 2], &path[i - 1], &path[i]);
+                    assert!(
+                        (ways.forward[i] - fresh).abs() <= 2e-3 * fresh.max(1e-6),
+                        "forward {i}: {} {fresh}",
+                        ways.forward[i]
+                    );
+                }
+                for i in 0..n - 1 {
+                    let fresh = scattering_density(&path[i + 2], &path[i + 1], &path[i]);
+                    assert!(
+                        (ways.backward[i] - fresh).abs() <= 2e-3 * fresh.max(1e-6),
+                        "backward {i}: {} {fresh}",
+                        ways.backward[i]
+                    );
+                }
+                // Not all ways may be open (a connection may lie behind a surface): count those of positive density.
+                for beta in [1, 2] {
+                    let sum: f64 = (0..=n)
+                        .filter(|&s| ways.possible(s))
+                        .map(|s| ways.weight(s, beta))
+                        .filter(|w| w.is_finite())
+                        .sum();
+                    let dead = ways.forward[..n].iter().chain(&ways.backward[..n]).any(|p| !(*p > 0.0));
+                    assert!(dead || (sum - 1.0).abs() < 1e-9, "({light}, {eye}): {sum}");
+                }
+            }
+        }
+        assert!(joined > 100, "{joined}");
+    }
+}

@@ -91,7 +91,8 @@ const INDIRECT: &[&str] = &["keller", "rejection", "bidirectional", "metropolis"
 /// Those that weigh lights by what they bring to the camera.
 const WEIGHING: &[&str] = &["rejection", "bidirectional", "metropolis"];
 
-pub(crate) type Vpls = Box<dyn Generator<Lights = Vec<Vpl>>>;
+/// A generator of point lights.
+pub type Vpls = Box<dyn Generator<Lights = Vec<Vpl>>>;
 
 /// Those that walk chains.
 const CHAINS: &[&str] = &["metropolis"];

@@ -24,3 +24,10 @@ pub(crate) fn many_lights(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, 
     direct::check(v)?;
     if direct::by_lamps(v) { lights::over_lamps(v, scene) } else { kernel::compose(v, scene) }
 }
+
+pub use generator::Vpls;
+
+pub(crate) fn point_lights(v: &Values, scene: &Scene) -> Result<Vpls, RecipeError> {
+    direct::check(v)?;
+    generator::vpls(v, scene)
+}
