@@ -106,6 +106,12 @@ fn in_a_sphere_each_residual_step_brings_the_next_term_of_the_series() {
         let params = [&base[..], &[KK, "arrival=lights", &steps]].concat();
         assert!(exactly(&scene, &params, 1, effort(768), 1.0 - left(m)).passes());
     }
+    // By path tracing all is continued at the steps in between, and the lights are asked at the last.
+    for m in [1, 2] {
+        let steps = format!("steps={m}");
+        let truth = 1.0 - f64::powi(rho, m + 1) * (1.0 - c) * (1.0 - c);
+        assert!(exactly(&scene, &[&base[..], &[KK, "arrival=path", &steps]].concat(), 1, effort(768), truth).passes());
+    }
     for arrival in ["arrival=lights", "arrival=path"] {
         assert!(exactly(&scene, &[&base[..], &[KK, arrival]].concat(), 1, effort(768), 1.0).passes());
     }
@@ -156,6 +162,35 @@ fn local_lights_fill_the_edges_of_a_cube_that_glows() {
         let verdict = test.run(&runs, Reference::Exact(&exact)).unwrap();
         println!("{params:?}: {verdict}");
         assert!(verdict.passes(), "{tile}: {verdict}");
+    }
+}
+
+#[test]
+fn what_is_seen_in_a_smooth_coat_is_compensated_too() {
+    // A glossy floor, as plastic is, with a wall and its corner in it.
+    let mut b = Scene::builder();
+    let plastic = Model::Plastic {
+        diffuse: Source::Constant(Spectrum::rgb(0.6, 0.4, 0.2)),
+        specular: Source::Constant(Spectrum::ONE),
+        int_ior: 2.5,
+        ext_ior: 1.0,
+        nonlinear: false,
+    };
+    let floor = b.material(Material::two_sided("plastic", plastic));
+    let wall = diffuse(&mut b, Spectrum::gray(0.8));
+    let rectangle = |m: DAffine3| ShapeGeometry::Mesh(TriangleMesh::rectangle(&m));
+    place(&mut b, rectangle(DAffine3::IDENTITY), floor, None);
+    let upright =
+        DAffine3::from_translation(DVec3::new(-1.0, 0.0, 1.0)) * DAffine3::from_rotation_y(std::f64::consts::FRAC_PI_2);
+    place(&mut b, rectangle(upright), wall, None);
+    b.emitter(Emitter::Point { position: Vec3::new(0.3, 0.0, 1.5), intensity: Spectrum::ONE });
+    b.camera(camera(DVec3::new(2.5, 0.0, 0.5), DVec3::new(-1.0, 0.0, 0.0), 25.0, (16, 16)));
+    let scene = built(b);
+    let path = recipe("path", &["min-depth=3"], &scene);
+    let truth = block_runs(&scene, &*path.method, 128, 12, effort(48), 2);
+    for c in [KK, "compensation=local"] {
+        let params = ["bound=0.5", "paths=64", "min-depth=3", c];
+        agree(&format!("{params:?}"), &runs(&scene, &params, 8, effort(100), 2), &truth);
     }
 }
 

@@ -47,14 +47,17 @@ fn main() -> Outcome<()> {
         Ok(build("many-lights", &pairs, &scene)?)
     };
     let begin = Instant::now();
-    let bounded = run(&scene, &many_lights(&[])?, |n, _| n < passes)?;
-    let unbounded = run(&scene, &many_lights(&[("bound", "none")])?, |n, _| n < passes)?;
+    let none = ("compensation", "none");
+    let bounded = run(&scene, &many_lights(&[none])?, |n, _| n < passes)?;
+    let unbounded = run(&scene, &many_lights(&[none, ("bound", "none")])?, |n, _| n < passes)?;
     let mut rows = Vec::new();
     for name in COMPENSATIONS {
         rows.push((name, run(&scene, &many_lights(&[("compensation", name)])?, |n, _| n < passes)?));
     }
     let long = begin.elapsed().as_secs_f64();
-    let reference = run(&scene, &build("path", &[], &scene)?, |_, s| s < long)?;
+    let depths = more.iter().filter(|w| w.contains("-depth=")).filter_map(|w| w.split_once('='));
+    let depths: Vec<_> = depths.map(|(k, v)| (k.to_string(), v.to_string())).collect();
+    let reference = run(&scene, &build("path", &depths, &scene)?, |_, s| s < long)?;
 
     let ev = write_png(&directory.join("reference.png"), &reference.image, Exposure::Auto)?;
     let write = |name: String, image: &Image, ev: f32| write_png(&directory.join(name), image, Exposure::Ev(ev));

@@ -29,6 +29,8 @@ pub fn run(args: &Explain) -> Result<(), Failure> {
         Err(RenderError::Interrupted) => return Err(Failure::InterruptedEarly),
         told => told?,
     };
+    // A light set that draws weighs what it is told, which only it knows; media weigh it, too.
+    let plain = recipe.parameters.iter().any(|(name, value)| name == "lights" && value == "all") && !scene.has_media();
     let per_sample = 1.0 / recipe.spp as f32;
     let mut lights = told.explanation.lights;
     // A sum over samples, as the pixel is: each counts by its share.
@@ -39,15 +41,20 @@ pub fn run(args: &Explain) -> Result<(), Failure> {
     let residual = residuals.map(|r| r.1).fold(Spectrum::BLACK, |a, b| a + b) * per_sample;
     let lit = lights.iter().filter(|l| !l.contribution.is_black()).count();
     say(format!("{}, method {}, pixel ({x}, {y}) of pass {}", args.scene.display(), recipe.name, args.pass));
+    say(format!("  the pixel: {}", rgb(told.value)));
     let row = |what: &str, v: Spectrum| [what.to_string(), rgb(v)];
     let rows = [
-        row("the pixel", told.value),
         row("virtual lights", kept),
         row("taken by the bound", taken),
         row("compensation", residual),
-        row("the rest: emission, sampled direct light", told.value - kept - residual),
+        row("the rest: emission, direct light", told.value - kept - residual),
     ];
-    say(table(&rows).trim_end());
+    match plain {
+        true => say(table(&rows).trim_end()),
+        false => say(
+            "  (lights=all on a scene without media tells the lights' share; what follows is before the light set weighs it)",
+        ),
+    }
     say(format!("{} lights asked by a shadow ray, {lit} of them seen. The brightest:", lights.len()));
     lights.sort_by(|a, b| b.contribution.luminance().total_cmp(&a.contribution.luminance()));
     let head = ["share", "contribution", "G [1/m^2]", "kept", "edges", "at [m]"].map(String::from);
@@ -56,9 +63,13 @@ pub fn run(args: &Explain) -> Result<(), Failure> {
     let rows: Vec<[String; 6]> = std::iter::once(head)
         .chain(brightest.map(|l| {
             [
-                format!("{:.2} %", 100.0 * l.contribution.luminance() * per_sample / whole),
+                if plain {
+                    format!("{:.2} %", 100.0 * l.contribution.luminance() * per_sample / whole)
+                } else {
+                    "-".into()
+                },
                 rgb(l.contribution * per_sample),
-                format!("{:.4}", l.g),
+                if l.g > 0.0 { format!("{:.4}", l.g) } else { "-".into() },
                 format!("{:.3}", l.keep),
                 l.edges.to_string(),
                 place(&l.edge),

@@ -268,6 +268,7 @@ fn a_pixel_is_explained_by_its_lights_its_bound_and_its_compensation() {
     };
     let text = told("-P direct=virtual -P paths=16 -P bound=0.1");
     let (pixel, lights) = (number(&text, "the pixel"), number(&text, "virtual lights"));
+    assert!(told("-P lights=power").contains("before the light set weighs it"));
     assert!(pixel > 0.0 && (pixel - lights).abs() < 1e-3 * pixel, "all light is the lights': {text}");
     assert!(number(&text, "taken by the bound") > 0.0 && number(&text, "compensation") == 0.0, "{text}");
     let unbound = told("-P direct=virtual -P paths=16 -P bound=none");
@@ -276,6 +277,10 @@ fn a_pixel_is_explained_by_its_lights_its_bound_and_its_compensation() {
     for c in ["kollig-keller", "local"] {
         let text = told(&format!("-P direct=virtual -P paths=16 -P bound=0.1 -P compensation={c}"));
         assert!((number(&text, "virtual lights") / lights - 1.0).abs() < 1e-3, "{c}: {text}");
+        // Nothing but the lamp lights the floor: what a frame brings back is told whole, however many samples there are.
+        let text = told(&format!("-P direct=virtual -P paths=16 -P bound=0.1 -P spp=4 -P compensation={c}"));
+        let parts = ["virtual lights", "compensation", "the rest"].map(|line| number(&text, line));
+        assert!((parts.iter().sum::<f64>() / number(&text, "the pixel") - 1.0).abs() < 1e-3, "{c}: {text}");
     }
     let out = manylight(&directory, "explain lamp.xml --pixel 24,0");
     assert_eq!(out.status.code(), Some(1));

@@ -33,7 +33,7 @@ pub enum Arrival {
 
 /// Weights of more than this are not certain to go on, so that every path ends, even between white walls.
 const SURVIVAL: f32 = 0.95;
-/// Steps of a chain of delta lobes before roulette.
+/// Residual steps, and edges, from which roulette never lets everything through.
 const CERTAIN: u32 = 4;
 
 impl Compensator for KolligKeller {
@@ -74,12 +74,14 @@ impl Compensator for KolligKeller {
     }
     fn finds(&self) -> PathClasses {
         match self.steps {
-            Some(0) => PathClasses::NONE,
-            _ => PathClasses::CAUSTICS,
+            None => PathClasses::CAUSTICS,
+            // A caustic of a caustic takes another step.
+            Some(_) => PathClasses::NONE,
         }
     }
     fn asks_lights(&self, level: u32) -> bool {
-        level == 0 || self.arrival == Arrival::Lights
+        // Where the last step arrives nothing else would find indirect light.
+        level == 0 || self.arrival == Arrival::Lights || self.steps == Some(level)
     }
 }
 

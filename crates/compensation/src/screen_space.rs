@@ -69,7 +69,10 @@ impl ScreenSpace {
     fn step(&self, frame: &Frame, sent: &[Spectrum], at: (usize, usize), s: &mut Stream) -> Spectrum {
         let width = frame.gbuffer.width;
         let Some(p) = &frame.gbuffer.pixels[at.1 * width + at.0] else { return Spectrum::BLACK };
-        let Some(farthest) = self.reach(frame, p) else { return Spectrum::BLACK };
+        if !frame.onward.allows(p.edges.saturating_add(2)) {
+            return Spectrum::BLACK;
+        }
+        let Some(farthest) = self.reach(frame, p, at) else { return Spectrum::BLACK };
         let (turn, shift) = (s.next_f32(), s.next_f32());
         let centre = Vec2::new(at.0 as f32 + 0.5, at.1 as f32 + 0.5);
         let n = self.samples.max(1);
@@ -93,8 +96,9 @@ impl ScreenSpace {
         }
         sum
     }
-    /// Radius on the film in which all surfaces lie that a bound can touch; `None` if there is no bound. \[pixel\]
-    fn reach(&self, frame: &Frame, p: &Pixel) -> Option<f32> {
+    /// Radius on the film in which surfaces lie that a bound can touch, those excepted that are less than half as far from the eye;
+    /// `None` if there is no bound. \[pixel\]
+    fn reach(&self, frame: &Frame, p: &Pixel, at: (usize, usize)) -> Option<f32> {
         let radius = 1.0 / frame.bounding.cap().sqrt();
         if !(radius > 0.0) {
             return None;
@@ -102,7 +106,9 @@ impl ScreenSpace {
         let camera = frame.scene.camera();
         // What lies nearer to the eye looks larger, up to a factor that keeps the sum from spreading over the whole image.
         let nearest = (p.depth - radius).max(0.5 * p.depth);
-        let pixels = radius / (nearest * camera.pixel_area().sqrt());
+        // Off the axis by theta, a pixel is narrower by cos theta seen across, and by its square seen along.
+        let cos = camera.forward.dot(camera.ray(Vec2::new(at.0 as f32 + 0.5, at.1 as f32 + 0.5)).dir);
+        let pixels = radius / (nearest * camera.pixel_area().sqrt() * cos * cos);
         let diagonal = (camera.size.0 as f32).hypot(camera.size.1 as f32);
         Some(pixels.clamp(NEAREST + 1.0, diagonal))
     }

@@ -54,9 +54,9 @@ impl NonFinite {
 /// What made one sample.
 #[derive(Clone, Debug, Default)]
 pub struct Explanation {
-    /// The lights that were asked with a shadow ray, also where residual paths arrive.
+    /// The lights that were asked with a shadow ray, at what the eye sees: not where residual paths arrive.
     pub lights: Vec<Explained>,
-    /// What compensation gave at each point, and where along the path that is; the throughput up to there left out.
+    /// What compensation gave at each point, and where along the path that is.
     pub residuals: Vec<(Depth, Spectrum)>,
 }
 
@@ -65,7 +65,7 @@ pub struct Explanation {
 pub struct Explained {
     /// Ends on the light.
     pub edge: Edge,
-    /// What it gave, bounded, its shadow included. [W/(m^2 sr)]
+    /// What it gave, bounded, its shadow included, before the light set weighed it. [W/(m^2 sr)]
     pub contribution: Spectrum,
     /// Geometry term. [1/m^2]
     pub g: f32,

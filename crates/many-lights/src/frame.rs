@@ -21,7 +21,8 @@ pub(crate) fn add_residual(
     let residual = compensator.residual(&frame, film.seed, film.pass, probe);
     if let Some(i) = film.explained {
         let at = Depth { edges: gbuffer.pixels[i].map_or(1, |p| p.edges), level: 0 };
-        probe.explain_residual(at, residual.pixels[i]);
+        // Counted as if each of the samples had it, since they are told as a sum.
+        probe.explain_residual(at, residual.pixels[i] * film.spp as f32);
     }
     for (i, (pixel, more)) in film.image.pixels.iter_mut().zip(residual.pixels).enumerate() {
         if more.is_finite() {
@@ -80,5 +81,5 @@ fn first_vertex(scene: &Scene, film: &Film, pixel: usize, onward: &dyn Onward, p
     None
 }
 
-/// A chain of delta lobes that is longer is left without compensation.
-const MOST_EDGES: u32 = 8;
+/// Behind a longer chain of delta lobes points are compensated one by one.
+pub(crate) const MOST_EDGES: u32 = 8;

@@ -21,7 +21,8 @@ where
     P::Set: for<'g> LightSet<Gather<'g, Vertex, K, B::Pass>>,
 {
     fn scattered(&self, y: &Vertex, at: Depth, probe: &mut Probe, s: &mut Stream) -> Spectrum {
-        self.method.outgoing(self.scene, self.prepared, y, at, probe, s)
+        let compensator = self.method.compensation.at(at.level);
+        self.method.outgoing(self.scene, self.prepared, y, at, compensator, probe, s)
     }
     fn counts(&self, edges: u32) -> bool {
         self.method.counts(edges)

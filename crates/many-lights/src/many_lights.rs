@@ -5,8 +5,8 @@ use crate::further::Further;
 use crate::in_media::up_to;
 use crate::{direct_light, lost_direct_light};
 use manylight_framework::{
-    Bounding, BoundingPlan, Claim, Compensation, Depth, Film, Gather, Generator, Integrator, KeepNothing, LightSet,
-    Occlusion, PassError, PathClasses, Plan, Probe, Promise,
+    Bounding, BoundingPlan, Claim, Compensation, Compensator, Depth, Film, Gather, Generator, Integrator, KeepNothing,
+    LightSet, Occlusion, PassError, PathClasses, Plan, Probe, Promise,
 };
 use manylight_math::{Aabb, Ray, Spectrum};
 use manylight_sampling::{Purpose, Stream};
@@ -67,6 +67,9 @@ where
         s: &mut Stream,
     ) -> Spectrum {
         let (mut ray, mut throughput, mut sum) = (*ray, Spectrum::ONE, Spectrum::BLACK);
+        // A frame's compensation is for the first vertex that gathers: behind it, in the reflection of a smooth coat, points are
+        // compensated one by one.
+        let mut framed = true;
         for edges in 1..=self.max_edges {
             if edges > 1 {
                 probe.path_rays += 1;
@@ -84,7 +87,10 @@ where
             if self.counts(edges) {
                 sum += throughput * x.emitted();
             }
-            sum += throughput * self.outgoing(scene, p, &x, Depth { edges, level: 0 }, probe, s);
+            framed &= edges <= frame::MOST_EDGES;
+            let compensator = self.compensation.at(if framed { 0 } else { 1 });
+            sum += throughput * self.outgoing(scene, p, &x, Depth { edges, level: 0 }, compensator, probe, s);
+            framed &= !x.connects();
             // Everything but the delta lobes has been gathered: walk on through those alone.
             let Some(next) = x.sample(s.next_f32(), s.next_2d()).filter(|n| n.delta) else { break };
             throughput *= next.weight;
@@ -107,13 +113,13 @@ where
         p: &Prepared<P::Set, B::Pass>,
         x: &Vertex,
         at: Depth,
+        compensator: Option<&dyn Compensator>,
         probe: &mut Probe,
         s: &mut Stream,
     ) -> Spectrum {
         if at.edges >= self.max_edges || !x.connects() {
             return Spectrum::BLACK;
         }
-        let compensator = self.compensation.at(at.level);
         let lights = compensator.is_none_or(|c| c.asks_lights(at.level));
         let bounding: &dyn Bounding = if lights { &p.bounding } else { &KeepNothing };
         let mut sum = Spectrum::BLACK;
@@ -199,7 +205,9 @@ impl<L, P: Promise, K: Promise, B: BoundingPlan> Promise for ManyLights<L, P, K,
         let kernel = Claim { finite_variance: kernel.finite_variance || self.bounding.tames(), ..kernel };
         let all = generated.and(self.plan.claim()).and(kernel).and(bounded);
         // Camera samples are noisy whatever the parts.
-        Claim { noisy: true, misses: all.misses.without(self.compensation.finds()), ..all }
+        let indirect = !all.misses.contains(PathClasses::INDIRECT);
+        let finds = if indirect { self.compensation.finds() } else { PathClasses::NONE };
+        Claim { noisy: true, misses: all.misses.without(finds), ..all }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::workers::Workers;
 use crate::{Progress, RenderError, Settings};
-use manylight_framework::{Explanation, Film, Method, Probe};
+use manylight_framework::{Explanation, Film, GenerateError, Method, PassError, Probe};
 use manylight_math::Spectrum;
 use manylight_scene::{FilterSampler, Scene};
 use std::sync::Arc;
@@ -34,7 +34,10 @@ pub fn explain(
     film.explained = Some(pixel);
     let mut probe = Probe::default();
     (probe.explain, probe.cancel) = (Some(Explanation::default()), Some(cancel.clone()));
-    pool.install(|| method.pass(scene, &mut film, &mut probe)).map_err(RenderError::Pass)?;
+    match pool.install(|| method.pass(scene, &mut film, &mut probe)) {
+        Err(PassError::Generate(GenerateError::Cancelled)) => return Err(RenderError::Interrupted),
+        outcome => outcome.map_err(RenderError::Pass)?,
+    }
     let value = film.image.pixels[pixel];
     if workers.cut_short() {
         return Err(RenderError::Interrupted);

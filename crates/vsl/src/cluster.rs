@@ -35,7 +35,8 @@ impl Clustered for Vsl {
         self.vpl.axis()
     }
     fn kind(&self) -> u32 {
-        self.vpl.kind()
+        // Points know nothing of a radius, nor spheres of a bound.
+        2 * self.vpl.kind() + (self.radius == 0.0) as u32
     }
     fn cluster(&self) -> SphereCluster {
         SphereCluster { points: self.vpl.cluster(), largest: self.radius, smallest: self.radius }

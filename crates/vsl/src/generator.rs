@@ -1,7 +1,7 @@
 //! From points to spheres.
 
 use crate::{Radius, Vsl};
-use manylight_framework::{Batch, Claim, GenerateError, Generator, KnobSet, Probe, Promise};
+use manylight_framework::{Batch, Claim, GenerateError, Generator, KnobSet, PathClasses, Probe, Promise};
 use manylight_scene::Scene;
 use manylight_vpl::Vpl;
 
@@ -24,7 +24,10 @@ impl Promise for Spheres {
             (None, Radius::Fixed(_)) => Claim::consistent(KnobSet::NONE),
             (None, _) => Claim::consistent(KnobSet::PATHS),
         };
-        self.points.claim().and(blur)
+        let points = self.points.claim();
+        // Without lights nothing is blurred.
+        let none = points.misses.contains(PathClasses::INDIRECT) && !points.noisy;
+        if none { points } else { points.and(blur) }
     }
 }
 

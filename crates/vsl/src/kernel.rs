@@ -23,7 +23,7 @@ pub enum Sampling {
 }
 
 /// Connects vertices to virtual spherical lights: an estimate whose mean is the integral over the cone, times the visibility of the
-/// sphere's middle.
+/// sphere's middle. A bound does not touch it (`Pair::g` is zero), so that a compensation of one would bring what is not missing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereKernel {
     /// How directions are drawn.
@@ -31,6 +31,8 @@ pub struct SphereKernel {
     /// Directions of each kind where the cone is the hemisphere; fewer in narrower cones, in proportion to their solid angle, but
     /// at least one, and at most sixteen.
     pub samples: f32,
+    /// Are there lights without radius among them, on emitters? They are point lights, whose variance is infinite.
+    pub points_too: bool,
 }
 
 /// Directions of a kind at most.
@@ -38,7 +40,7 @@ const MOST: f32 = 16.0;
 
 impl Default for SphereKernel {
     fn default() -> Self {
-        SphereKernel { sampling: Sampling::Mis, samples: 4.0 }
+        SphereKernel { sampling: Sampling::Mis, samples: 4.0, points_too: false }
     }
 }
 
@@ -84,6 +86,14 @@ impl Cone {
     }
 }
 
+/// Does `w` leave to the other side of the surface than the path came from?
+fn behind(v: &Vertex, w: Vec3) -> bool {
+    match &v.scatter {
+        Scatter::Surface(p) => p.ng.dot(w) * p.ng.dot(p.wi) < 0.0,
+        _ => false,
+    }
+}
+
 /// How many directions of each kind.
 #[derive(Clone, Copy)]
 struct Counts {
@@ -122,11 +132,12 @@ fn is_narrow(v: &Vertex, cone: &Cone) -> bool {
 
 impl Promise for SphereKernel {
     fn claim(&self) -> Claim {
-        match self.sampling {
-            Sampling::Cone | Sampling::Mis => Claim::UNBIASED,
+        let bias = match self.sampling {
+            Sampling::Cone | Sampling::Mis => 0.0,
             // A lobe need not reach all of the cone: what it does not reach is lost.
-            Sampling::Receiver | Sampling::Light => Claim { bias: f32::INFINITY, ..Claim::UNBIASED },
-        }
+            Sampling::Receiver | Sampling::Light => f32::INFINITY,
+        };
+        Claim { bias, finite_variance: !self.points_too, ..Claim::UNBIASED }
     }
 }
 
@@ -138,7 +149,12 @@ impl Kernel<Vertex, Vsl> for SphereKernel {
         }
         let v = y.p - x.p;
         let d = v.length();
-        let axis = if d > 1e-6 * r { v / d } else { x.normal().unwrap_or(Vec3::Z) };
+        let apart = d > 1e-6 * r;
+        let axis = if apart { v / d } else { x.normal().unwrap_or(Vec3::Z) };
+        // A middle behind either surface is hidden by it, or seen through a sheet without thickness, which must not leak.
+        if apart && (behind(x, axis) || behind(y, -axis)) {
+            return None;
+        }
         let cone = Cone { axis, versine: versine(d, r) };
         let omega = cone.solid_angle();
         let n = self.counts(x, light, &cone);

@@ -26,7 +26,8 @@ pub enum Radius {
     Fixed(f32),
 }
 
-/// Of the radius of the scene's bounding sphere: no sphere is smaller, so that coincident lights do not spike, and none larger, so
+/// Of the radius of the scene's bounding sphere: no sphere is smaller, so that coincident lights do not spike (a blur that more paths
+/// do not take away), and none larger, so
 /// that the only light of a room does not light all of it at once.
 const SMALLEST: f32 = 1e-4;
 const LARGEST: f32 = 0.05;
@@ -68,7 +69,7 @@ fn normal(light: &Vpl) -> Option<Vec3> {
     Some(x.ng * x.ng.dot(x.wi).signum())
 }
 
-/// To the k-th nearest alike, or the farthest that was looked at; infinity if there are no others.
+/// To the k-th nearest alike, by the density of those that were found among 4 k; infinity if none were.
 fn distance(tree: &RTree<Place>, p: Vec3, n: Vec3, k: u32) -> f32 {
     let k = k.max(1) as usize;
     let (mut alike, mut farthest) = (0, f32::INFINITY);
@@ -83,5 +84,6 @@ fn distance(tree: &RTree<Place>, p: Vec3, n: Vec3, k: u32) -> f32 {
             break;
         }
     }
-    farthest
+    // Too few alike were near: as if they were as dense further on.
+    if alike == 0 { f32::INFINITY } else { farthest * (k as f32 / alike as f32).sqrt() }
 }

@@ -35,7 +35,7 @@ fn connect(kernel: &SphereKernel, x: &Vertex, l: &Vsl, s: &mut Stream, scene: &S
     kernel.connect(scene, x, l, s).map_or(0.0, |c| c.value.luminance())
 }
 fn mean(sampling: Sampling, x: &Vertex, l: &Vsl, n: u64) -> Moments {
-    let (scene, kernel) = (nothing(), SphereKernel { sampling, samples: 4.0 });
+    let (scene, kernel) = (nothing(), SphereKernel { sampling, ..SphereKernel::default() });
     let mut s = Stream::new(3, [0; 3], Purpose::TEST);
     (0..n).map(|_| connect(&kernel, x, l, &mut s, &scene) as f64).collect()
 }
@@ -85,7 +85,7 @@ fn a_lamp_faced_squarely_gives_the_irradiance_of_a_point_at_any_radius() {
 #[test]
 fn the_corner_of_the_document() {
     // A floor point (a, 0, 0), a in (0, 1], lit by a wall light at x = 0, y in [-1, 1], z in [0, 1]; both f are 1. Averaged over both.
-    let (scene, kernel) = (nothing(), SphereKernel { sampling: Sampling::Cone, samples: 4.0 });
+    let (scene, kernel) = (nothing(), SphereKernel { sampling: Sampling::Cone, ..SphereKernel::default() });
     for (r, document) in [(0.2f32, 0.3688), (0.1, 0.3953), (0.05, 0.4094), (0.025, 0.4171)] {
         let mut s = Stream::new(8, [(r * 1e3) as u64, 0, 0], Purpose::TEST);
         let draws: Moments = (0..1_000_000)
@@ -113,6 +113,17 @@ fn a_coplanar_receiver_gets_nothing() {
     for sampling in [Sampling::Cone, Sampling::Mis, Sampling::Receiver, Sampling::Light] {
         assert_eq!(mean(sampling, &x, &l, 10_000).mean(), 0.0);
     }
+}
+
+#[test]
+fn nothing_leaks_through_a_sheet() {
+    // A light on a partition that shines to +x, and floor points on both sides of it.
+    let y = surface(Vec3::new(0.0, 0.0, 0.2), Vec3::X, Vec3::X, unit(), Mode::Importance);
+    let at = |x: f32| {
+        mean(Sampling::Mis, &surface(Vec3::X * x, Vec3::Z, Vec3::Z, unit(), Mode::Radiance), &sphere(y, 0.3), 2000)
+    };
+    assert!(at(0.05).mean() > 0.0);
+    assert_eq!(at(-0.05).mean(), 0.0);
 }
 
 #[test]
@@ -210,7 +221,7 @@ proptest! {
 
 #[test]
 fn ways_that_leave_out_part_of_the_cone_say_so() {
-    assert!(SphereKernel { sampling: Sampling::Mis, samples: 1.0 }.claim().is_unbiased());
-    assert!(!SphereKernel { sampling: Sampling::Light, samples: 1.0 }.claim().is_unbiased());
+    assert!(SphereKernel { sampling: Sampling::Mis, ..SphereKernel::default() }.claim().is_unbiased());
+    assert!(!SphereKernel { sampling: Sampling::Light, ..SphereKernel::default() }.claim().is_unbiased());
     assert_eq!(sphere(surface(Vec3::ZERO, Vec3::Z, Vec3::Z, unit(), Mode::Importance), 1.0).edges(), 1);
 }

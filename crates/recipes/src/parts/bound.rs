@@ -29,6 +29,11 @@ pub(crate) fn plan(v: &Values) -> Result<BoundPlan, RecipeError> {
             v.text("compensation")
         )));
     }
+    if v.is_given("bound-of") && v.text("bound") == "none" {
+        return Err(RecipeError::Contrary(
+            "bound-of says what a bound bounds, and bound is `none`: leave it out, or say a bound".into(),
+        ));
+    }
     let level = match v.text("bound") {
         // Nothing to bound, nothing to lose.
         _ if v.text("direct") == "only" => Level::None,

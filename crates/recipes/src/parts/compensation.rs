@@ -42,6 +42,14 @@ pub(crate) const PARAMS: &[Param] = &[
     .part_of("compensation", &["local"]),
 ];
 
+/// Are the lights asked where residual paths arrive, too?
+pub(crate) fn asks_lights_further_on(v: &Values) -> bool {
+    match v.text("compensation") {
+        "kollig-keller" => v.text("arrival") == "lights" || v.text("steps") != "none",
+        name => name == "local",
+    }
+}
+
 pub(crate) fn compensation(v: &Values, scene: &Scene) -> Result<Compensation, RecipeError> {
     let name = v.text("compensation");
     if name != "none" && scene.has_media() {
@@ -63,6 +71,11 @@ pub(crate) fn compensation(v: &Values, scene: &Scene) -> Result<Compensation, Re
                 return Err(RecipeError::Contrary(
                     "compensation=screen-space takes what surfaces send from the image, which min-depth leaves incomplete: leave one out"
                         .into(),
+                ));
+            }
+            if v.integer("spp")? > 1 {
+                return Err(RecipeError::Contrary(
+                    "compensation=screen-space knows the first camera sample of each pixel alone: say spp=1, and more passes".into(),
                 ));
             }
             let steps = if v.text("steps") == "none" { 4 } else { v.integer("steps")? as u32 };

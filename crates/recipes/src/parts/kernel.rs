@@ -2,7 +2,7 @@
 
 use crate::RecipeError;
 use crate::params::{Kind, Param};
-use crate::parts::{generator, lights};
+use crate::parts::{direct, generator, lights};
 use crate::values::Values;
 use manylight_framework::Method;
 use manylight_scene::Scene;
@@ -44,7 +44,7 @@ pub(crate) const PARAMS: &[Param] = &[
     .part_of("kernel", OF_SPHERES),
     Param::new(
         "sphere-samples",
-        Kind::Number { min: 1e-3, max: 64.0 },
+        Kind::Number { min: 1e-3, max: 16.0 },
         "4",
         "directions of a kind to a sphere that fills the hemisphere; in proportion fewer to others, at least one",
     )
@@ -59,6 +59,12 @@ pub(crate) fn compose(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, Reci
     let points = generator::vpls(v, scene)?;
     if v.text("kernel") == "point" {
         return lights::under(v, scene, points, Points);
+    }
+    if v.text("compensation") != "none" && v.text("bound") != "none" {
+        return Err(RecipeError::Contrary(format!(
+            "no bound touches spheres, so that compensation={} would bring what is not missing: say bound=none or kernel=point",
+            v.text("compensation")
+        )));
     }
     let scale = v.number("radius-scale")?;
     let radius = match v.text("radius") {
@@ -81,6 +87,7 @@ pub(crate) fn compose(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, Reci
         "light" => Sampling::Light,
         _ => Sampling::Mis,
     };
-    let kernel = SphereKernel { sampling, samples: v.number("sphere-samples")? };
+    let points_too = direct::adds_emitters(v) || v.has_term("generator", "emitters");
+    let kernel = SphereKernel { sampling, samples: v.number("sphere-samples")?, points_too };
     lights::under(v, scene, Box::new(Spheres { points, radius, shrink }), kernel)
 }

@@ -115,8 +115,8 @@ fn growth(v: &Values, scene: &Scene) -> Result<Growth, RecipeError> {
     let build = if v.text("tree") == "greedy" { Build::Greedy } else { Build::Fast };
     let limited = max_edges != u32::MAX || min_edges > 1;
     let together = match v.text("lights") == "lightcuts" && limited {
-        // Behind delta lobes there are receivers of any depth: none may share.
-        true if scene.has_delta_lobes() => (u32::MAX, 0),
+        // Behind delta lobes, and where residual paths arrive, there are receivers of any depth: none may share.
+        true if scene.has_delta_lobes() || compensation::asks_lights_further_on(v) => (u32::MAX, 0),
         // All receivers are one edge from the eye.
         true => (min_edges.saturating_sub(2), max_edges.saturating_sub(2)),
         false => Growth::ALL_DEPTHS,

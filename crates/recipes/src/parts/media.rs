@@ -109,6 +109,12 @@ where
     InMedia<Vec<Vpl>, P, Points, BoundPlan, Sampled>: Method,
 {
     let (min_edges, max_edges) = v.depths(scene)?;
+    if v.text("bound-of") != "geometry" {
+        return Err(RecipeError::Contrary(
+            "bound-of=contribution is for surfaces: a lobe in a medium has a unit of length. Say bound-of=geometry"
+                .into(),
+        ));
+    }
     let (bounding, compensation) = (bound::plan(v)?, Compensation::None);
     let generator = generator(v, scene)?;
     let lights = ManyLights { generator, plan, kernel: Points, bounding, compensation, max_edges, min_edges };
