@@ -77,6 +77,9 @@ pub(crate) fn min_max(a: &Reach, b: &Reach) -> Option<[f64; 2]> {
     Some([0.5 * (near[0] + far[0]), 0.5 * (near[1] + far[1])])
 }
 
+/// Squared distance of what lies at the receiver itself: no quotient of singles by it is infinite in double precision. [m^2]
+const LEAST2: f64 = 1e-60;
+
 /// Probabilities by one importance each: intensity x facing / distance to the centre squared, from below clamped at half the
 /// radius of the box (Conty Estevez and Kulla 2018). `None`: nothing in either can contribute.
 ///
@@ -84,13 +87,9 @@ pub(crate) fn min_max(a: &Reach, b: &Reach) -> Option<[f64; 2]> {
 pub(crate) fn importance(a: &Reach, b: &Reach) -> Option<[f64; 2]> {
     let of = |r: &Reach| {
         let facing = r.facing_guess.max(0.1 * r.facing_max) as f64;
-        let d2 = (r.centre2 as f64).max(0.25 * r.radius2 as f64).max(f64::MIN_POSITIVE);
+        let d2 = (r.centre2 as f64).max(0.25 * r.radius2 as f64).max(LEAST2);
         r.intensity as f64 * facing / d2
     };
     let (x, y) = (of(a), of(b));
-    // Both at the receiver itself: by their intensities.
-    if x.is_infinite() || y.is_infinite() {
-        return share(x.is_infinite() as u8 as f64, y.is_infinite() as u8 as f64);
-    }
     share(x, y)
 }

@@ -104,6 +104,15 @@ fn deviations_over_1000_lights_are_exact() {
 }
 
 #[test]
+fn deviations_over_other_sets_and_trees_are_exact() {
+    table(&set_a(1000), Build::Fast, Odds::MinMaxWithoutCosine, &[(1, 0.44644), (16, 0.05639), (128, 0.00936)]);
+    table(&set_a(10_000), Build::Fast, Odds::MinMax, &[(1, 0.29411), (2, 0.22557), (64, 0.00729)]);
+    table(&set_a(10_000), Build::Fast, Odds::Intensity, &[(1, 1.15778)]);
+    table(&set_b(1000), Build::Fast, Odds::MinMax, &[(1, 0.40028), (8, 0.08217), (128, 0.00523)]);
+    table(&set_b(10_000), Build::Fast, Odds::MinMax, &[(1, 0.32729), (64, 0.01190)]);
+}
+
+#[test]
 fn lightcuts_have_the_sizes_of_the_notes() {
     // (lights, threshold, mean size, largest size), of cuts by the brightest light of each cluster.
     for (n, error, mean, largest) in [
