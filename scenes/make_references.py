@@ -9,7 +9,9 @@ channel, over independent batches), which the tests compare with. Needs nothing 
 import argparse, os, time
 import numpy as np
 
-SIZES = {"cornell-box": (48, 48), "corner": (48, 48), "ajar": (64, 36), "kitchen": (64, 36)}
+SIZES = {"cornell-box": (48, 48), "corner": (48, 48), "ajar": (64, 36), "kitchen": (64, 36),
+         "fruit-juice": (48, 48), "fog-corridor": (64, 36),
+         "smoky-room": (64, 36)}
 SPP = 512
 
 

@@ -2,15 +2,24 @@
 //!
 //! Family-wise significance 0.01 by Holm within each test; seeds are fixed, so a test that passes always passes.
 
-use manylight_framework::{Bounding, Claim, Integrator, Pair, PassError, Probe, Promise};
+use manylight_compensation::BoundPlan;
+use manylight_framework::{
+    Bounding, Claim, Compensation, Connection, Integrator, Kernel, Pair, PassError, Probe, Promise,
+};
 use manylight_geometry::{Disk, ShapeGeometry, Sphere, TriangleMesh};
 use manylight_integration::rooms::{self, built, camera, diffuse, place};
 use manylight_integration::{block_runs, effort, recipe};
+use manylight_light_list::All;
+use manylight_many_lights::{InMedia, ManyLights, Whole};
 use manylight_math::{DAffine3, DVec3, Frame, MediumId, Ray, Spectrum, Vec3};
 use manylight_reference::PathTracer;
 use manylight_sampling::Stream;
-use manylight_scene::{Boundary, Emitter, HenyeyGreenstein, Homogeneous, Mode, Scene, SceneBuilder, Sides};
+use manylight_scene::{
+    Boundary, Edge, Emitter, Grid, HenyeyGreenstein, Heterogeneous, Homogeneous, Interpolation, Mode, Scene,
+    SceneBuilder, Sides, Volume,
+};
 use manylight_stats::{BlockTest, Reference};
+use manylight_vrl::{Extent, RayWalk, Rays};
 use std::f64::consts::PI;
 
 /// A medium of albedo x extinction.
@@ -260,4 +269,94 @@ fn methods_that_know_no_media_say_so() {
             _ => assert!(built.err().unwrap().to_string().contains("knows nothing of them: use `path`"), "{}", m.name),
         }
     }
+}
+
+/// A kernel that errs.
+#[derive(Clone, Copy)]
+enum Liar {
+    /// Of what a light gives, nothing is lost on the way.
+    NothingIsLost,
+    /// The receiver's scattering coefficient counts twice.
+    ScattersTwice,
+}
+impl Promise for Liar {
+    fn claim(&self) -> Claim {
+        Claim::UNBIASED
+    }
+}
+impl<R, L> Kernel<R, L> for Liar
+where
+    Rays: Kernel<R, L>,
+{
+    fn connect(&self, scene: &Scene, r: &R, l: &L, s: &mut Stream) -> Option<Connection> {
+        let c = Rays.connect(scene, r, l, s)?;
+        let Edge::Between(a, _) = c.edge else { return Some(c) };
+        Some(match self {
+            Liar::NothingIsLost => Connection { edge: Edge::Between(a, a), ..c },
+            Liar::ScattersTwice => {
+                let sigma = if a.surface.is_some() { None } else { scene.medium(a.sides.outside) };
+                Connection { value: sigma.map_or(c.value, |m| c.value * m.scattering(a.p)), ..c }
+            }
+        })
+    }
+}
+
+#[test]
+fn liars_in_fog_are_rejected() {
+    let scene = foggy_room(0.0);
+    let path = recipe("path", &["min-depth=3", "spp=64"], &scene);
+    let truth = block_runs(&scene, &*path.method, path.spp, 12, 64, 2);
+    for (kernel, name) in [(Liar::NothingIsLost, "nothing is lost"), (Liar::ScattersTwice, "scatters twice")] {
+        let lights = ManyLights {
+            generator: Box::new(RayWalk {
+                paths: 64,
+                max_edges: None,
+                certain_edges: 1,
+                extent: Extent::Short,
+                emitters: false,
+            }),
+            plan: (All, All),
+            kernel,
+            bounding: BoundPlan::NONE,
+            compensation: Compensation::None,
+            max_edges: u32::MAX,
+            min_edges: 3,
+        };
+        let liar = InMedia { lights, segment: Whole };
+        let verdict =
+            BlockTest::default().run(&block_runs(&scene, &liar, 1, 13, 64, 2), Reference::Runs(&truth)).unwrap();
+        println!("{name}: {verdict}");
+        assert!(verdict.rejected(), "{name}: {verdict}");
+    }
+}
+
+/// A room with a cube of clumpy smoke in it, and a lamp.
+fn smoky_cube() -> Scene {
+    let mut b = Scene::builder();
+    let mut s = Stream::new(1, [0; 3], manylight_sampling::Purpose::TEST);
+    let values = (0..512).map(|_| Spectrum::gray(if s.next_f32() < 0.5 { 0.0 } else { 2.0 })).collect();
+    let placed = DAffine3::from_translation(DVec3::splat(-0.8)) * DAffine3::from_scale(DVec3::splat(1.4));
+    let grid = Grid::new([8; 3], values, &placed, Interpolation::Trilinear).unwrap();
+    let albedo = Volume::Constant(Spectrum::rgb(0.9, 0.8, 0.5));
+    let phase = HenyeyGreenstein::new(0.3).unwrap();
+    let smoke = b.medium(Heterogeneous::new(grid, 1.5, albedo, phase).unwrap().into());
+    part(&mut b, DVec3::splat(-0.85), DVec3::splat(0.65), smoke, MediumId::VACUUM);
+    let wall = diffuse(&mut b, Spectrum::rgb(0.7, 0.5, 0.3));
+    place(&mut b, rooms::hollow_cube(1.0), wall, None);
+    let black = diffuse(&mut b, Spectrum::BLACK);
+    let lamp = Disk { centre: Vec3::new(0.2, 0.1, 0.95), radius: 0.4, frame: Frame::around(Vec3::NEG_Z) };
+    place(&mut b, ShapeGeometry::Disk(lamp), black, Some(Spectrum::rgb(5.0, 4.0, 3.0)));
+    b.camera(camera(DVec3::new(0.7, -0.9, 0.3), DVec3::new(-0.3, 0.3, -0.2), 70.0, (8, 8)));
+    built(b)
+}
+
+#[test]
+fn lights_in_smoke_are_the_path_tracer() {
+    let scene = smoky_cube();
+    let path = ("path", &["min-depth=3", "spp=64"][..], 64);
+    for rays in ["rays=short", "rays=long"] {
+        agree("smoke", &scene, ("vrl", &["min-depth=3", "paths=48", rays], 64), path);
+    }
+    let direct = ["max-depth=2", "direct=only", "spp=16"];
+    agree("smoke", &scene, ("media-vpl", &direct, 64), ("path", &["max-depth=2", "spp=64"], 64));
 }

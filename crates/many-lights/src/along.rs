@@ -1,10 +1,10 @@
 //! Direct light along a segment in a medium, by sampling.
 
 use manylight_framework::Probe;
-use manylight_math::Spectrum;
+use manylight_math::{Ray, Spectrum};
 use manylight_sampling::Stream;
 use manylight_sampling::along::{Angular, Exponential};
-use manylight_scene::{Edge, EmitterPoint, Scatter, Scene, Span};
+use manylight_scene::{Edge, EmitterPoint, Medium, Scatter, Scene, Span};
 
 /// One sample of the light that a segment in a medium scatters of the emitters' own, as seen from its beginning: a point of an
 /// emitter, and towards it a point of the segment (Kulla and Fajardo 2012), mixed with free flight where the medium is dense.
@@ -15,17 +15,8 @@ pub fn direct_along(scene: &Scene, span: &Span, probe: &mut Probe, s: &mut Strea
     let y = &light.vertex;
     let distant = matches!(y.scatter, Scatter::Emitter(EmitterPoint::Distant { .. }));
     let towards = if distant { None } else { Angular::new(&span.ray, y.p.as_dvec3()) };
-    let by_distance = Exponential::new(medium.extinction_mean(), f64::from(span.ray.t_max));
-    // Equiangular for a thin medium, half of each for a dense one.
-    let flights = if towards.is_some() { 0.5 * by_distance.reached() } else { 1.0 };
-    let u = s.next_f64();
-    let t = match &towards {
-        Some(towards) if u >= flights => towards.sample((u - flights) / (1.0 - flights)).t,
-        _ => by_distance.sample(u / flights),
-    };
-    let pdf = flights * by_distance.pdf(t) + towards.map_or(0.0, |a| (1.0 - flights) * a.pdf(t));
-    let t = t as f32;
-    let x = span.at(t, medium.scattering(span.ray.at(t)));
+    let Some((t, weight)) = draw(medium, &span.ray, towards, s) else { return Spectrum::BLACK };
+    let x = span.at(t, Spectrum::ONE);
     let (w, edge, g) = match y.scatter {
         Scatter::Emitter(EmitterPoint::Distant { towards, .. }) => (towards, Edge::ToInfinity(x.end(), towards), 1.0),
         _ => {
@@ -38,10 +29,32 @@ pub fn direct_along(scene: &Scene, span: &Span, probe: &mut Probe, s: &mut Strea
             (w, Edge::Between(x.end(), y.end()), y.cosine(-w) / d2)
         }
     };
-    let value = x.eval(w) * y.lobe_at(-w) * light.flux * (f64::from(g) / pdf) as f32;
+    let value = weight * x.eval(w) * y.lobe_at(-w) * light.flux * g;
     if value.is_black() {
         return value;
     }
     probe.shadow_rays += 1;
-    value * medium.transmittance(&span.ray, 0.0, t, s) * scene.transmittance(&edge, s)
+    value * scene.transmittance(&edge, s)
+}
+
+/// A point of a ray, and sigma_s T / pdf there: by its angle towards a point of a lamp, and by free flight, the more so the
+/// denser the medium.
+fn draw(medium: &Medium, ray: &Ray, towards: Option<Angular>, s: &mut Stream) -> Option<(f32, Spectrum)> {
+    let Some(towards) = towards else { return medium.collide(ray, s) };
+    let Some(homogeneous) = medium.homogeneous() else {
+        // The density of a flight is not known: each technique for itself, half of the time.
+        if s.next_f32() < 0.5 {
+            return medium.collide(ray, s);
+        }
+        let t = towards.sample(s.next_f64()).t;
+        let weight = medium.scattering(ray.at(t as f32)) * medium.transmittance(ray, 0.0, t as f32, s);
+        return Some((t as f32, weight * (1.0 / towards.pdf(t)) as f32));
+    };
+    let flight = Exponential::new(medium.extinction_mean(), f64::from(ray.t_max));
+    let flights = 0.5 * flight.reached();
+    let u = s.next_f64();
+    let t = if u < flights { flight.sample(u / flights) } else { towards.sample((u - flights) / (1.0 - flights)).t };
+    let pdf = flights * flight.pdf(t) + (1.0 - flights) * towards.pdf(t);
+    let weight = homogeneous.scattering * homogeneous.transmittance(t as f32);
+    Some((t as f32, weight * (1.0 / pdf) as f32))
 }

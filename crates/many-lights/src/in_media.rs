@@ -117,9 +117,12 @@ where
         for run in scene.runs(ray) {
             let Some(medium) = scene.medium(run.medium) else { continue };
             if !medium.scattering_max().is_black() && edges < self.lights.max_edges {
-                let length = (run.to - run.from).min(medium.depth(OPAQUE));
-                let ray = Ray { t_max: length, ..Ray::new(ray.at(run.from), ray.dir) }.within(run.medium);
+                let ray = Ray { t_max: run.to - run.from, ..Ray::new(ray.at(run.from), ray.dir) }.within(run.medium);
+                let ray = Ray { t_max: ray.t_max.min(medium.reach(&ray, OPAQUE)), ..ray };
                 let span = Span { ray, scattering_max: medium.scattering_max(), phase: medium.phase() };
+                if !(ray.t_max > 0.0) {
+                    continue;
+                }
                 if !p.covers_direct && self.lights.counts(edges + 1) {
                     sum += through * direct_along(scene, &span, probe, s);
                 }

@@ -26,6 +26,17 @@ impl Homogeneous {
     pub fn transmittance(&self, t: f32) -> Spectrum {
         self.extinction.map(|sigma| decay(sigma, t))
     }
+    /// T(t) / sum_c p_c T_c(t), p = `weights`: what flights that got as far as `t` carry there.
+    pub fn reached(&self, t: f32, weights: [f32; 3]) -> Spectrum {
+        let through = self.relative(t);
+        Spectrum::from(through) * (1.0 / (0..3).map(|c| weights[c] * through[c]).sum::<f32>())
+    }
+    /// T(t) over that of the thinnest channel: nothing underflows that a flight has reached.
+    fn relative(&self, t: f32) -> [f32; 3] {
+        let sigma = self.extinction.to_array();
+        let thinnest = sigma[0].min(sigma[1]).min(sigma[2]);
+        sigma.map(|x| decay(x - thinnest, t))
+    }
     /// Draws a collision before `length`: a channel c with probability p_c = `weights`, then its exponential; the weight is
     /// divided by the mean of all channels' densities, sum_c p_c sigma_c exp(-sigma_c t) (one-sample multiple importance
     /// sampling by the balance heuristic).
@@ -41,17 +52,13 @@ impl Homogeneous {
         };
         let depth = -(-s.next_f64()).ln_1p() as f32;
         let t = depth / sigma[chosen];
-        // Relative to the thinnest channel: nothing underflows that the chosen channel has reached.
-        let thinnest = sigma[0].min(sigma[1]).min(sigma[2]);
-        let relative = |t: f32| sigma.map(|x| decay(x - thinnest, t));
         let mean = |values: [f32; 3]| (0..3).map(|c| weights[c] * values[c]).sum::<f32>();
         if t < length {
-            let through = relative(t);
+            let through = self.relative(t);
             let density = mean([0, 1, 2].map(|c| sigma[c] * through[c]));
             Flight::Collision { t, weight: self.scattering * Spectrum::from(through) * (1.0 / density) }
         } else {
-            let through = relative(length);
-            Flight::Passed { weight: Spectrum::from(through) * (1.0 / mean(through)) }
+            Flight::Passed { weight: self.reached(length, weights) }
         }
     }
 }

@@ -18,10 +18,14 @@
 //! assert!((t.luminance() - (-1.0f32).exp()).abs() < 1e-6);
 //! ```
 
+mod heterogeneous;
 mod homogeneous;
 mod medium;
 mod phase;
+mod volume;
 
+pub use heterogeneous::Heterogeneous;
 pub use homogeneous::Homogeneous;
 pub use medium::{Flight, Medium, MediumError};
 pub use phase::HenyeyGreenstein;
+pub use volume::{Grid, Interpolation, Volume};

@@ -1,6 +1,6 @@
 //! The interface: one value that is any kind of medium.
 
-use crate::{HenyeyGreenstein, Homogeneous};
+use crate::{HenyeyGreenstein, Heterogeneous, Homogeneous};
 use manylight_math::{Ray, Spectrum, Vec3};
 use manylight_sampling::Stream;
 use manylight_sampling::along::Exponential;
@@ -25,6 +25,9 @@ pub enum Flight {
 /// Why a medium cannot be.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MediumError {
+    /// A grid that is none.
+    #[error("a grid needs a value for each of its voxels, and a transform that is not singular")]
+    Grid,
     /// Coefficients that make no sense.
     #[error("coefficients of a medium must be finite, not negative, and scattering must not exceed extinction")]
     Coefficients,
@@ -35,6 +38,14 @@ pub enum MediumError {
 pub enum Medium {
     /// The same everywhere.
     Homogeneous(Homogeneous),
+    /// Its density is a grid.
+    Heterogeneous(Box<Heterogeneous>),
+}
+
+impl From<Heterogeneous> for Medium {
+    fn from(m: Heterogeneous) -> Self {
+        Medium::Heterogeneous(Box::new(m))
+    }
 }
 
 impl From<Homogeneous> for Medium {
@@ -48,58 +59,96 @@ impl Medium {
     pub fn phase(&self) -> HenyeyGreenstein {
         match self {
             Medium::Homogeneous(m) => m.phase,
+            Medium::Heterogeneous(m) => m.phase,
         }
     }
     /// sigma_s at a point. [1/m]
-    pub fn scattering(&self, _p: Vec3) -> Spectrum {
+    pub fn scattering(&self, p: Vec3) -> Spectrum {
         match self {
             Medium::Homogeneous(m) => m.scattering,
+            Medium::Heterogeneous(m) => m.scattering(p),
         }
     }
     /// Never below sigma_s at any point. [1/m]
     pub fn scattering_max(&self) -> Spectrum {
         match self {
             Medium::Homogeneous(m) => m.scattering,
+            Medium::Heterogeneous(m) => m.scattering_max(),
         }
     }
     /// Mean of the channels' extinction, for densities. [1/m]
     pub fn extinction_mean(&self) -> f64 {
         match self {
             Medium::Homogeneous(m) => f64::from(m.extinction.mean()),
+            Medium::Heterogeneous(m) => f64::from(m.extinction_mean()),
         }
     }
-    /// How far it takes until every channel that scatters has this optical depth; infinite if nothing takes it there. \[m\]
-    pub fn depth(&self, optical: f32) -> f32 {
+    /// How far along a ray there is anything to be seen of it: until every channel that scatters has this optical depth, or the
+    /// grid ends; infinite if it never does. \[m\]
+    pub fn reach(&self, ray: &Ray, optical: f32) -> f32 {
         match self {
             Medium::Homogeneous(m) => {
                 let (s, t) = (m.scattering.to_array(), m.extinction.to_array());
                 let thinnest = (0..3).filter(|c| s[*c] > 0.0).map(|c| t[c]).fold(f32::INFINITY, f32::min);
                 optical / thinnest
             }
+            Medium::Heterogeneous(m) => m.reach(ray),
         }
     }
-    /// A collision on a ray up to its `t_max`, conditioned on there being one: where, and sigma_s T / pdf. `None` if it scatters
-    /// nothing there.
+    /// exp(-sigma_t t) is its transmittance: the medium is the same everywhere.
+    pub fn homogeneous(&self) -> Option<&Homogeneous> {
+        match self {
+            Medium::Homogeneous(m) => Some(m),
+            Medium::Heterogeneous(_) => None,
+        }
+    }
+    /// Is T / P known along flights, with P the probability of getting there? Not where both would have to be estimated.
+    pub fn knows_flights(&self) -> bool {
+        match self {
+            Medium::Homogeneous(_) => true,
+            Medium::Heterogeneous(m) => m.is_gray(),
+        }
+    }
+    /// T(t) / P(t) on a ray whose end was drawn by `fly` with these weights, at a distance that it reached. Only where
+    /// `knows_flights`.
+    pub fn reached(&self, t: f32, weights: [f32; 3]) -> Spectrum {
+        match self {
+            Medium::Homogeneous(m) => m.reached(t, weights),
+            Medium::Heterogeneous(_) => Spectrum::ONE,
+        }
+    }
+    /// A collision on a ray up to its `t_max`: where, and sigma_s T / pdf, in a homogeneous medium conditioned on there being one.
+    /// `None`: there was none, or it scatters nothing.
     pub fn collide(&self, ray: &Ray, s: &mut Stream) -> Option<(f32, Spectrum)> {
-        let by = Exponential::new(self.extinction_mean(), f64::from(ray.t_max));
-        let t = by.sample(s.next_f64());
-        let weight = self.scattering(ray.at(t as f32)) * self.transmittance(ray, 0.0, t as f32, s);
-        (!weight.is_black()).then(|| (t as f32, weight * (1.0 / by.pdf(t)) as f32))
+        match self {
+            Medium::Homogeneous(m) => {
+                let by = Exponential::new(self.extinction_mean(), f64::from(ray.t_max));
+                let t = by.sample(s.next_f64());
+                let weight = m.scattering * m.transmittance(t as f32);
+                (!weight.is_black()).then(|| (t as f32, weight * (1.0 / by.pdf(t)) as f32))
+            }
+            Medium::Heterogeneous(m) => match m.fly(ray, 0.0, ray.t_max, [1.0 / 3.0; 3], s) {
+                Flight::Collision { t, weight } if !weight.is_black() => Some((t, weight)),
+                _ => None,
+            },
+        }
     }
     /// An estimate of T between two distances of a ray; exact where there is a closed form, and then nothing is drawn.
-    pub fn transmittance(&self, _ray: &Ray, from: f32, to: f32, _s: &mut Stream) -> Spectrum {
+    pub fn transmittance(&self, ray: &Ray, from: f32, to: f32, s: &mut Stream) -> Spectrum {
         match self {
             Medium::Homogeneous(m) => m.transmittance(to - from),
+            Medium::Heterogeneous(m) => m.transmittance(ray, from, to, s),
         }
     }
     /// Draws a collision between two distances of a ray. `weights` are probabilities of the channels, of which one is drawn to
     /// fly by (see [`Medium::channels`]).
-    pub fn fly(&self, _ray: &Ray, from: f32, to: f32, weights: [f32; 3], s: &mut Stream) -> Flight {
+    pub fn fly(&self, ray: &Ray, from: f32, to: f32, weights: [f32; 3], s: &mut Stream) -> Flight {
         match self {
             Medium::Homogeneous(m) => match m.fly(to - from, weights, s) {
                 Flight::Collision { t, weight } => Flight::Collision { t: from + t, weight },
                 passed => passed,
             },
+            Medium::Heterogeneous(m) => m.fly(ray, from, to, weights, s),
         }
     }
     /// Probabilities of the channels for a path that carries `throughput`: in proportion to it, none below 0.05, so that no

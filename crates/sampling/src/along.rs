@@ -25,6 +25,17 @@ pub struct Angular {
     axes: (DVec3, DVec3),
 }
 
+/// A point of the segment, as seen from the point beside it.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Unit, from the point to the segment.
+    pub direction: DVec3,
+    /// Distance along the segment. \[m\]
+    pub t: f64,
+    /// From the point. \[m\]
+    pub distance: f64,
+}
+
 /// Vertices of a table.
 const VERTICES: usize = 10;
 /// Part of the samples that do not follow the table, which lies below its target between vertices.
@@ -78,30 +89,27 @@ impl Angular {
     pub fn angles(&self) -> (f64, f64) {
         (self.from, self.from + self.angle)
     }
-    /// Unit direction from the point to where phi is on the line.
-    pub fn direction(&self, phi: f64) -> DVec3 {
+    /// What lies at an angle.
+    pub fn seen(&self, phi: f64) -> Seen {
         let (sin, cos) = phi.sin_cos();
-        self.axes.0 * cos + self.axes.1 * sin
-    }
-    /// How far along the segment phi is, and how far from the point. \[m\]
-    pub fn reach(&self, phi: f64) -> (f64, f64) {
-        let t = (self.foot + self.width * phi.tan()).clamp(0.0, self.length);
-        (t, (t - self.foot).hypot(self.distance))
+        let t = (self.foot + self.width * (sin / cos)).clamp(0.0, self.length);
+        Seen { direction: self.axes.0 * cos + self.axes.1 * sin, t, distance: self.width / cos }
     }
     /// phi at which a direction is nearest to parallel to `axis`, which need not lie in the plane of point and line: where
     /// axis . direction is largest.
     pub fn nearest(&self, axis: DVec3) -> f64 {
         axis.dot(self.axes.1).atan2(axis.dot(self.axes.0))
     }
-    /// The same draws, with a density that follows `target` as well (of phi, not negative, in any unit): piecewise linear between
+    /// The same draws, with a density that follows `target` as well (not negative, in any unit): piecewise linear in phi, between
     /// vertices at the ends and around `peak`.
-    pub fn following(self, target: impl Fn(f64) -> f64, peak: f64) -> Self {
+    pub fn following(self, target: impl Fn(&Seen) -> f64, peak: f64) -> Self {
         let (a, b) = self.angles();
         let inside = peak > a + 1e-3 * self.angle && peak < b - 1e-3 * self.angle;
         let n = VERTICES - 1;
-        // Cosine-spaced in each part, so that they crowd at ends and peak.
+        // Crowded at the ends of each part, and so at the peak.
         let spaced = |a: f64, b: f64, k: usize, n: usize| {
-            a + (b - a) * 0.5 * (1.0 - (std::f64::consts::PI * k as f64 / n as f64).cos())
+            let x = k as f64 / n as f64;
+            a + (b - a) * x * x * (3.0 - 2.0 * x)
         };
         let split = if inside { (((peak - a) / self.angle * n as f64).round() as usize).clamp(2, n - 2) } else { n };
         let at: [f64; VERTICES] = std::array::from_fn(|k| match inside {
@@ -109,7 +117,7 @@ impl Angular {
             true => spaced(peak, b, k - split, n - split),
             false => spaced(a, b, k, n),
         });
-        let value = at.map(|phi| target(phi).max(0.0));
+        let value = at.map(|phi| target(&self.seen(phi)).max(0.0));
         let total = (0..n).map(|k| 0.5 * (value[k] + value[k + 1]) * (at[k + 1] - at[k])).sum::<f64>();
         let table = (total > 0.0 && total.is_finite()).then_some(Table { at, value, total });
         Angular { table, ..self }

@@ -2,6 +2,7 @@
 
 use crate::document::{Class, Document, Object, Value};
 use crate::mesh::{RawMesh, obj, ply};
+use crate::vol::{self, RawGrid};
 use crate::{diagnostic, image};
 use manylight_scene::Bitmap;
 use rayon::prelude::*;
@@ -17,6 +18,7 @@ pub(crate) const MOST_BYTES: u64 = 16 << 30;
 pub(crate) enum Kind {
     Obj,
     Ply,
+    Grid,
     /// `raw`: values are not colours, they are taken as they are.
     Image {
         raw: bool,
@@ -30,6 +32,7 @@ type Key = (PathBuf, Kind);
 enum Content {
     Mesh(RawMesh),
     Image(Arc<Bitmap>),
+    Grid(RawGrid),
 }
 
 /// All files, by path and kind.
@@ -65,6 +68,13 @@ impl Assets {
             _ => Err((format!("`{name}` was not read"), None)),
         }
     }
+    pub(crate) fn grid(&self, name: &str) -> Result<&RawGrid, Failure> {
+        match self.content.get(&(self.base_dir.join(name), Kind::Grid)) {
+            Some(Ok(Content::Grid(grid))) => Ok(grid),
+            Some(Err(failure)) => Err(failure.clone()),
+            _ => Err((format!("`{name}` was not read"), None)),
+        }
+    }
     pub(crate) fn image(&self, name: &str, raw: bool) -> Result<Arc<Bitmap>, Failure> {
         match self.content.get(&(self.base_dir.join(name), Kind::Image { raw })) {
             Some(Ok(Content::Image(image))) => Ok(image.clone()),
@@ -79,6 +89,7 @@ fn wanted(object: &Object) -> Option<(&str, Kind)> {
     let kind = match (object.class, object.plugin.as_str()) {
         (Class::Shape, "obj") => Kind::Obj,
         (Class::Shape, "ply") => Kind::Ply,
+        (Class::Volume, "gridvolume") => Kind::Grid,
         (Class::Texture, "bitmap") => Kind::Image { raw: object.value("raw") == Some(&Value::Boolean(true)) },
         (Class::Emitter, "envmap") => Kind::Image { raw: false },
         _ => return None,
@@ -95,6 +106,7 @@ fn read_one(path: &Path, kind: Kind) -> Result<Content, Failure> {
     let result = match kind {
         Kind::Obj => obj::read(&bytes).map(Content::Mesh),
         Kind::Ply => ply::read(&bytes).map(Content::Mesh),
+        Kind::Grid => vol::read(&bytes).map(Content::Grid),
         Kind::Image { raw } => image::read(&bytes, raw).map(|i| Content::Image(Arc::new(i))),
     };
     result.map_err(|e| (format!("`{shown}`: {e}"), None))

@@ -28,6 +28,7 @@ mod mutation;
 pub mod parametric;
 mod query;
 mod value;
+mod vol;
 mod xml;
 
 pub use diagnostic::{Diagnostic, Errors};

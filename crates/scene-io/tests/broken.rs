@@ -102,7 +102,8 @@ fn each_mistake_has_its_place_and_says_what_to_do() {
         ("<medium type=\"homogeneous\"><phase type=\"hg\"><float name=\"g\" value=\"1\"/></phase></medium>", 2, 68, "`g` must lie between -1 and 1", ""),
         ("<medium type=\"homogeneous\"><rgb name=\"albedo\" value=\"1 2 0\"/></medium>", 2, 54, "`albedo` must lie between 0 and 1", ""),
         ("<medium type=\"homogeneous\"><float name=\"scale\" value=\"-1\"/></medium>", 2, 55, "`scale` must not be negative", ""),
-        ("<medium type=\"homogeneous\"><volume name=\"albedo\" type=\"gridvolume\"/></medium>", 2, 56, "not supported yet", ""),
+        ("<medium type=\"homogeneous\"><volume name=\"albedo\" type=\"gridvolume\"/></medium>", 2, 15, "write type=\"heterogeneous\" for a grid", ""),
+        ("<medium type=\"heterogeneous\"><volume name=\"sigma_t\" type=\"gridvolume\"/></medium>", 2, 59, "needs a `filename`", ""),
         // The camera.
         ("<sensor type=\"perspective\"><float name=\"fov\" value=\"180\"/></sensor>", 2, 53, "`fov` must lie between 0 and 180", ""),
         ("<sensor type=\"perspective\"><string name=\"focal_length\" value=\"long\"/></sensor>", 2, 63, "`long` is not a focal length", ""),

@@ -41,7 +41,7 @@ fn what_the_other_scenes_still_need_is_said_with_its_place() {
         ("classroom", None),
         ("wooden-staircase", Some("the bsdf `bumpmap` is not supported yet")),
         ("volumetric-caustic", None),
-        ("combustion-plume", Some("not supported yet")),
+        ("combustion-plume", None),
     ] {
         let Some(path) = shared(name) else { continue };
         let start = std::time::Instant::now();

@@ -40,7 +40,9 @@ pub use emitter::{Emission, Emitter, EmitterPart, EmitterSample, Emitters, Part,
 pub use environment::Environment;
 pub use filter::{Filter, FilterSampler};
 pub use manylight_bsdf::{Bsdf, Lobe, Mode};
-pub use manylight_media::{Flight, HenyeyGreenstein, Homogeneous, Medium};
+pub use manylight_media::{
+    Flight, Grid, HenyeyGreenstein, Heterogeneous, Homogeneous, Interpolation, Medium, MediumError, Volume,
+};
 pub use material::{Material, MaterialId, Model};
 pub use media::{Boundary, Run};
 pub use scene::{Scene, SceneBuilder, SceneError, Shape, ShapeId};

@@ -4,7 +4,7 @@ use crate::Vpl;
 use manylight_framework::{Claim, Connection, Kernel, Pair, Promise};
 use manylight_math::{Spectrum, Vec3};
 use manylight_sampling::Stream;
-use manylight_sampling::along::Angular;
+use manylight_sampling::along::{Angular, Seen};
 use manylight_scene::{Edge, EmitterPoint, HenyeyGreenstein, Scatter, Scene, Span, Vertex};
 
 /// Points nearer than a femtometre count as coincident: 1 / d^2 would overflow, and a bound could not bring it back. [m^2]
@@ -67,8 +67,8 @@ impl Kernel<Span, Vpl> for Points {
             let even = r.phase == HenyeyGreenstein::ISOTROPIC && is_even(y);
             let mut along = Angular::new(&r.ray, y.p.as_dvec3())?;
             if !even {
-                let lobe = |phi: f64| {
-                    let w = along.direction(phi).as_vec3();
+                let lobe = |at: &Seen| {
+                    let w = at.direction.as_vec3();
                     f64::from(r.phase.eval(-r.ray.dir, -w) * y.eval(w).luminance())
                 };
                 let axis =

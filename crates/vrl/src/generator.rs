@@ -97,7 +97,7 @@ impl RayWalk {
             let surface = scene.intersect(&ray, Mode::Importance);
             let length = surface.map_or(f32::INFINITY, |x| (x.p - ray.origin).length());
             let light = |ray: Ray, flux: Spectrum, medium: &Medium, channels| {
-                let ray = Ray { t_max: ray.t_max.min(medium.depth(OPAQUE)), ..ray };
+                let ray = Ray { t_max: ray.t_max.min(medium.reach(&ray, OPAQUE)), ..ray };
                 let span = Span { ray, scattering_max: medium.scattering_max(), phase: medium.phase() };
                 let l = Vrl { span, flux: flux * share, edges, channels };
                 let worth = ray.t_max > 0.0 && !(l.flux * span.scattering_max).is_black();
@@ -124,7 +124,10 @@ impl RayWalk {
                     Flight::Passed { weight } => (run.to, weight),
                 };
                 if self.extent == Extent::Short {
-                    out.extend(light(part(to), flux, medium, Some(channels)));
+                    // Where a flight's density is an estimate itself, T / P is not: this piece is long.
+                    let short = medium.knows_flights();
+                    let (end, drawn) = if short { (to, Some(channels)) } else { (run.to, None) };
+                    out.extend(light(part(end), flux, medium, drawn));
                 }
                 flux *= weight;
                 if let Flight::Collision { t, .. } = flight {

@@ -4,7 +4,7 @@ use crate::Vrl;
 use manylight_framework::{Claim, Connection, Kernel, Pair, Promise};
 use manylight_math::Ray;
 use manylight_sampling::Stream;
-use manylight_sampling::along::{Across, Angular};
+use manylight_sampling::along::{Across, Angular, Seen};
 use manylight_scene::{Edge, HenyeyGreenstein, Medium, Scene, Span, Vertex};
 use manylight_vpl::{Points, Vpl};
 
@@ -73,11 +73,10 @@ impl Kernel<Span, Vrl> for Rays {
             }
             let back = -r.ray.dir;
             let travel = l.span.ray.dir;
-            let target = |phi: f64| {
-                let w = along.direction(phi).as_vec3();
+            let target = |at: &Seen| {
+                let w = at.direction.as_vec3();
                 let lobes = if even { 1.0 } else { r.phase.eval(back, -w) * l.span.phase.eval(-travel, w) };
-                let (u, distance) = along.reach(phi);
-                f64::from(lobes) * (-sigma * (u + distance)).exp()
+                f64::from(lobes * ((-sigma * (at.t + at.distance)) as f32).exp())
             };
             let peak = if l.span.phase.g() < 0.0 { -travel } else { travel };
             along.following(target, along.nearest(peak.as_dvec3()))
@@ -99,11 +98,11 @@ impl Kernel<Vertex, Vrl> for Rays {
         let along = Angular::new(&l.span.ray, r.p.as_dvec3())?;
         let sigma = there.extinction_mean();
         let travel = l.span.ray.dir;
-        let target = |phi: f64| {
-            let w = along.direction(phi).as_vec3();
-            let (v, distance) = along.reach(phi);
-            let before = if l.channels.is_some() { 0.0 } else { v };
-            f64::from(r.eval(w).luminance() * l.span.phase.eval(-travel, -w)) * (-sigma * (before + distance)).exp()
+        let target = |at: &Seen| {
+            let w = at.direction.as_vec3();
+            let before = if l.channels.is_some() { 0.0 } else { at.t };
+            let through = ((-sigma * (before + at.distance)) as f32).exp();
+            f64::from(r.eval(w).luminance() * l.span.phase.eval(-travel, -w) * through)
         };
         let axis = r.normal().unwrap_or(-travel);
         let along = along.following(target, along.nearest(axis.as_dvec3()));

@@ -21,12 +21,10 @@ pub struct Vrl {
 impl Vrl {
     /// T(v) of a long ray; T(v) / P(v) of a short one, which reaches v with probability P(v) = sum_c p_c T_c(v) only.
     pub fn arrives(&self, medium: &Medium, v: f32, s: &mut Stream) -> Spectrum {
-        let through = medium.transmittance(&self.span.ray, 0.0, v, s);
-        let Some(p) = self.channels else { return through };
-        let t = through.to_array();
-        let reached: f32 = (0..3).map(|c| p[c] * t[c]).sum();
-        // Where everything has been absorbed f32 says nothing of the ratio: a ray gets there once in 10^38.
-        if reached > 0.0 { through * (1.0 / reached) } else { Spectrum::BLACK }
+        match self.channels {
+            None => medium.transmittance(&self.span.ray, 0.0, v, s),
+            Some(weights) => medium.reached(v, weights),
+        }
     }
 }
 

@@ -79,7 +79,7 @@ fn densities_integrate_to_one_and_are_those_of_the_draws() {
         let across = Across::new(&light, &camera).unwrap();
         let y = light.origin.as_dvec3() + light.dir.as_dvec3() * (0.3 * f64::from(light.t_max));
         let along = Angular::new(&camera, y).unwrap();
-        let peaked = along.following(|phi| (4.0 * phi).cos() + 1.1, 0.0);
+        let peaked = along.following(|at| (4.0 * at.direction.x).cos() + 1.1, 0.0);
         let draws: [(&str, f64, Of, Of); 3] = [
             ("across", light.t_max as f64, Box::new(move |u| across.sample(u)), Box::new(move |t| across.pdf(t))),
             ("along", camera.t_max as f64, Box::new(move |u| along.sample(u).t), Box::new(move |t| along.pdf(t))),

@@ -4,14 +4,13 @@ use super::Builder;
 use super::texture::Range;
 use crate::document::{Class, ObjectId, Value, refuse_plugin};
 use crate::query::Query;
-use manylight_math::{MediumId, Spectrum};
-use manylight_scene::{HenyeyGreenstein, Homogeneous, Medium, Sides};
+use manylight_math::MediumId;
+use manylight_scene::{Grid, HenyeyGreenstein, Heterogeneous, Homogeneous, Interpolation, Medium, Sides, Volume};
 
-const MEDIA: [&str; 1] = ["homogeneous"];
-const MITSUBA: [&str; 1] = ["heterogeneous"];
+const MEDIA: [&str; 2] = ["homogeneous", "heterogeneous"];
 const PHASES: [&str; 2] = ["isotropic", "hg"];
 const MITSUBA_PHASES: [&str; 5] = ["rayleigh", "sggx", "blendphase", "tabphase", "tabphase_irregular"];
-const VOLUMES: [&str; 1] = ["constvolume"];
+const VOLUMES: [&str; 2] = ["constvolume", "gridvolume"];
 
 impl<'a> Builder<'a> {
     /// A medium; one that is named twice is made once. `None`: it is wrong, which is in the report.
@@ -27,11 +26,11 @@ impl<'a> Builder<'a> {
     fn make_medium(&mut self, id: ObjectId) -> Option<Medium> {
         let q = self.query(id);
         if !MEDIA.contains(&q.object.plugin.as_str()) {
-            refuse_plugin(q.object, &MEDIA, &MITSUBA, self.report);
+            refuse_plugin(q.object, &MEDIA, &[], self.report);
             return None;
         }
         // Which strategy samples, and how, is the method's affair.
-        q.ignore(&["sample_emitters", "has_spectral_extinction"]);
+        q.ignore(&["sample_emitters", "has_spectral_extinction", "majorant_resolution_factor"]);
         let phase = match q.child(Class::Phase) {
             Some(id) => self.phase(id),
             None => Some(HenyeyGreenstein::ISOTROPIC),
@@ -48,9 +47,19 @@ impl<'a> Builder<'a> {
         let name = q.name();
         let at = q.object.plugin_at;
         q.finish();
-        let extinction = extinction? * scale;
-        match Homogeneous::new(extinction * albedo?, extinction, phase?) {
-            Ok(m) => Some(m.into()),
+        let (extinction, albedo, phase) = (extinction?, albedo?, phase?);
+        let made = match (extinction, albedo) {
+            (Volume::Constant(sigma), Volume::Constant(albedo)) => {
+                Homogeneous::new(sigma * scale * albedo, sigma * scale, phase).map(Medium::from)
+            }
+            (Volume::Grid(sigma), albedo) => Heterogeneous::new(sigma, scale, albedo, phase).map(Medium::from),
+            (Volume::Constant(_), Volume::Grid(_)) => {
+                self.report.error(at, "an `albedo` that is a grid needs a `sigma_t` that is one, too");
+                return None;
+            }
+        };
+        match made {
+            Ok(m) => Some(m),
             Err(e) => {
                 self.report.error(at, format!("{name}: {e}"));
                 None
@@ -58,24 +67,67 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// A colour, or a volume that is the same everywhere.
-    fn coefficient(&mut self, q: &Query<'a>, name: &'static str, default: f32, range: Range) -> Option<Spectrum> {
+    /// A colour, or a volume.
+    fn coefficient(&mut self, q: &Query<'a>, name: &'static str, default: f32, range: Range) -> Option<Volume> {
         let Some(Value::Object(id)) = q.object.value(name).cloned() else {
-            return Some(self.colour(q, name, default, range));
+            return Some(Volume::Constant(self.colour(q, name, default, range)));
         };
         if self.document.object(id).class != Class::Volume {
-            return Some(self.colour(q, name, default, range)); // reports what it is
+            return Some(Volume::Constant(self.colour(q, name, default, range))); // reports what it is
         }
         q.ignore(&[name]);
         let volume = self.query(id);
-        if volume.object.plugin != "constvolume" {
-            refuse_plugin(volume.object, &VOLUMES, &["gridvolume"], self.report);
+        match volume.object.plugin.as_str() {
+            "constvolume" => {
+                volume.ignore(&["to_world"]);
+                let value = self.colour(&volume, "value", 1.0, range);
+                volume.finish();
+                Some(Volume::Constant(value))
+            }
+            "gridvolume" if q.object.plugin == "heterogeneous" => self.grid(volume, range).map(Volume::Grid),
+            "gridvolume" => {
+                q.error("a `homogeneous` medium is the same everywhere: write type=\"heterogeneous\" for a grid");
+                None
+            }
+            _ => {
+                refuse_plugin(volume.object, &VOLUMES, &[], self.report);
+                None
+            }
+        }
+    }
+
+    fn grid(&mut self, q: Query<'a>, range: Range) -> Option<Grid> {
+        let interpolation = q.choice(
+            "filter_type",
+            &[("trilinear", Interpolation::Trilinear), ("nearest", Interpolation::Nearest)],
+            Interpolation::Trilinear,
+        );
+        // Clamped is what a medium's grid can only be: outside there is nothing.
+        q.choice("wrap_mode", &[("clamp", ())], ());
+        q.ignore(&["raw", "accel"]);
+        let use_grid_bbox = q.boolean("use_grid_bbox", false);
+        let (to_world, at) = q.to_world();
+        let (name, file_at) = super::filename(&q)?;
+        q.finish();
+        let raw = match self.assets.grid(name) {
+            Ok(raw) => raw,
+            Err(failure) => {
+                self.fail(file_at, failure);
+                return None;
+            }
+        };
+        if range == Range::Reflectance && raw.values.iter().any(|v| v.largest() > 1.0) {
+            self.report.error(file_at, format!("`{name}` has values above 1, which an albedo cannot have"));
             return None;
         }
-        volume.ignore(&["to_world"]);
-        let value = self.colour(&volume, "value", 1.0, range);
-        volume.finish();
-        Some(value)
+        let to_world = if use_grid_bbox { to_world * raw.to_box } else { to_world };
+        match Grid::new(raw.size, raw.values.clone(), &to_world, interpolation) {
+            Ok(grid) => Some(grid),
+            Err(e) => {
+                self.report.error(at, format!("`{name}`: {e}"));
+                None
+            }
+        }
     }
 
     fn phase(&mut self, id: ObjectId) -> Option<HenyeyGreenstein> {
