@@ -157,19 +157,41 @@ fn hash(image: &Image) -> u64 {
 fn one_hash_for_1_2_and_7_threads_by_every_method() {
     // More paths than a thread walks at a time, and more tiles than threads.
     let scene = room(DAffine3::IDENTITY, 1.0);
+    let same = |name: &str, params: &[&str]| {
+        let r = recipe(name, params, &scene);
+        let with = |threads| {
+            let settings = Settings { budget: Budget::Passes(2), seed: 9, spp: 1, threads: Some(threads) };
+            let done = render(&scene, &*r.method, &settings, &mut |_: &Progress| (), &Arc::default()).unwrap();
+            (hash(&done.image), done.probe.rays(), done.probe.lights, done.probe.evaluations)
+        };
+        let [one, two, seven] = [1, 2, 7].map(with);
+        assert_eq!((one, one), (two, seven), "{name} {params:?}");
+    };
     for m in methods() {
-        let params: &[&str] = if m.name == "path" { &[] } else { &["paths=700", "lights=power", "samples=4"] };
-        let all: &[&str] = if m.name == "path" { &["nee=off"] } else { &["paths=300", "lights=all", "direct=virtual"] };
-        for params in [params, all] {
-            let r = recipe(m.name, params, &scene);
-            let with = |threads| {
-                let settings = Settings { budget: Budget::Passes(2), seed: 9, spp: 1, threads: Some(threads) };
-                let done = render(&scene, &*r.method, &settings, &mut |_: &Progress| (), &Arc::default()).unwrap();
-                (hash(&done.image), done.probe.rays(), done.probe.lights, done.probe.evaluations)
-            };
-            let [one, two, seven] = [1, 2, 7].map(with);
-            assert_eq!((one, one), (two, seven), "{} {params:?}", m.name);
+        // What of these a method has.
+        let has = |pair: &&str| {
+            let (name, value) = pair.split_once('=').unwrap();
+            m.params().any(|p| p.name == name && p.kind.accepts(value))
+        };
+        for wanted in
+            [&["paths=700", "lights=power"][..], &["paths=300", "lights=all", "direct=virtual", "nee=off", "mis=off"]]
+        {
+            same(m.name, &wanted.iter().copied().filter(has).collect::<Vec<_>>());
         }
+    }
+    for part in [
+        "compensation=kollig-keller",
+        "compensation=local",
+        "compensation=screen-space",
+        "lights=light-bvh",
+        "lights=lightcuts",
+        "lights=stochastic-lightcuts",
+        "generator=rejection",
+        "generator=metropolis",
+        "generator=bidirectional",
+        "kernel=sphere",
+    ] {
+        same("many-lights", &["paths=300", "bound=2", part]);
     }
 }
 
