@@ -45,9 +45,9 @@ pub struct Render {
     /// Image to write; the PNG has the same name [default: the scene's name, in the current directory]
     #[arg(short, long, value_name = "OUT.exr", value_parser = exr_path)]
     pub output: Option<PathBuf>,
-    /// Method; `manylight list` shows them all
-    #[arg(long, value_name = "NAME", default_value = manylight_recipes::methods()[0].name)]
-    pub method: String,
+    /// Method; `manylight list` shows them all [default: instant-radiosity, or vrl where the scene has media]
+    #[arg(long, value_name = "NAME")]
+    pub method: Option<String>,
     /// Sets a parameter of the method; `manylight list NAME` shows them (may be repeated)
     #[arg(short = 'P', value_name = "key=value", value_parser = key_value)]
     pub parameters: Vec<(String, String)>,
@@ -141,9 +141,9 @@ pub struct Explain {
     /// The pixel, counted from 0,0 at the upper left
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pub pixel: (u32, u32),
-    /// Method; `manylight list` shows them all
-    #[arg(long, value_name = "NAME", default_value = manylight_recipes::methods()[0].name)]
-    pub method: String,
+    /// Method; `manylight list` shows them all [default: instant-radiosity, or vrl where the scene has media]
+    #[arg(long, value_name = "NAME")]
+    pub method: Option<String>,
     /// Sets a parameter of the method (may be repeated)
     #[arg(short = 'P', value_name = "key=value", value_parser = key_value)]
     pub parameters: Vec<(String, String)>,

@@ -22,7 +22,8 @@ pub fn run(args: &Explain) -> Result<(), Failure> {
             "pixel ({x}, {y}): the image has {width} x {height} pixels, counted from 0 at the upper left"
         )));
     }
-    let recipe = manylight_recipes::build(&args.method, &args.parameters, &scene)?;
+    let method = args.method.as_deref().unwrap_or(manylight_recipes::default_method(&scene));
+    let recipe = manylight_recipes::build(method, &args.parameters, &scene)?;
     let settings = Settings { budget: Budget::Passes(1), seed: args.seed, spp: recipe.spp, threads: None };
     let pixel = y as usize * width as usize + x as usize;
     let told = match manylight_render::explain(&scene, &*recipe.method, &settings, (args.pass, pixel), &cancel) {

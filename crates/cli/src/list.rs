@@ -20,7 +20,10 @@ pub fn run(args: &List) -> Result<(), Failure> {
 fn all() -> String {
     let rows: Vec<_> = methods().iter().map(|m| [m.name.to_string(), m.summary.to_string()]).collect();
     let default = methods()[0].name;
-    format!("{}\nThe default is {default}. `manylight list NAME` shows a method's parameters.", table(&rows))
+    format!(
+        "{}\nThe default is {default}, or vrl where a scene has media. `manylight list NAME` shows a method's parameters.",
+        table(&rows)
+    )
 }
 
 fn described(method: &MethodInfo) -> Result<String, Failure> {

@@ -23,7 +23,8 @@ pub fn run(args: &Render) -> Result<(), Failure> {
     warn(&warnings);
     let load = start.elapsed();
     let start = Instant::now();
-    let recipe = manylight_recipes::build(&args.method, &args.parameters, &scene)?;
+    let method = args.method.as_deref().unwrap_or(manylight_recipes::default_method(&scene));
+    let recipe = manylight_recipes::build(method, &args.parameters, &scene)?;
     let build = start.elapsed();
     warn(&recipe.warnings);
 

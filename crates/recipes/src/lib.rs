@@ -22,4 +22,4 @@ mod yardsticks;
 pub use error::RecipeError;
 pub use params::{Kind, Param};
 pub use parts::Vpls;
-pub use registry::{MethodInfo, Recipe, build, method, methods, point_lights};
+pub use registry::{MethodInfo, Recipe, build, default_method, method, methods, point_lights};

@@ -191,6 +191,11 @@ pub fn methods() -> &'static [MethodInfo] {
     METHODS
 }
 
+/// What renders a scene if nobody says: the first of all methods, or virtual ray lights where there are media.
+pub fn default_method(scene: &Scene) -> &'static str {
+    if scene.has_media() { "vrl" } else { METHODS[0].name }
+}
+
 /// The method of a name.
 pub fn method(name: &str) -> Result<&'static MethodInfo, RecipeError> {
     METHODS
