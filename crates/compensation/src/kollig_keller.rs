@@ -25,7 +25,8 @@ pub struct KolligKeller {
 /// How light is found where a residual path arrives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
-    /// By all lights, as at the first vertex: what the paper does. Its cost is the light set's.
+    /// By all lights, as at the first vertex: what the paper does. Its cost is the light set's; few residual paths arrive, so that it is
+    /// seldom the larger part.
     Lights,
     /// By path tracing from there on: a few rays. The bound is zero there, so that what it takes is everything.
     Path,

@@ -28,7 +28,7 @@ pub enum Radius {
 
 /// Of the radius of the scene's bounding sphere: no sphere is smaller, so that coincident lights do not spike (a blur that more paths
 /// do not take away), and none larger, so
-/// that the only light of a room does not light all of it at once.
+/// that the only light of a room does not light all of it at once; before `scale`.
 const SMALLEST: f32 = 1e-4;
 const LARGEST: f32 = 0.05;
 /// Normals of neighbours make at most 60 degrees.
@@ -45,12 +45,12 @@ impl Radius {
             Radius::Fixed(r) => lights.iter().map(|l| if normal(l).is_some() { r } else { 0.0 }).collect(),
             Radius::Even { scale } => {
                 let n = lights.iter().filter(|l| normal(l).is_some()).count().max(1);
-                let r = within(scale * (scene.area() / (std::f64::consts::PI * n as f64)).sqrt() as f32);
+                let r = scale * within((scene.area() / (std::f64::consts::PI * n as f64)).sqrt() as f32);
                 lights.iter().map(|l| if normal(l).is_some() { r } else { 0.0 }).collect()
             }
             Radius::Neighbours { k, scale } => {
                 let tree = RTree::bulk_load(lights.iter().filter_map(place).collect());
-                let one = |l: &Vpl| normal(l).map_or(0.0, |n| within(scale * distance(&tree, l.vertex.p, n, k)));
+                let one = |l: &Vpl| normal(l).map_or(0.0, |n| scale * within(distance(&tree, l.vertex.p, n, k)));
                 lights.par_iter().map(one).collect()
             }
         }

@@ -23,9 +23,9 @@ pub(crate) const PARAMS: &[Param] = &[
     .part_of("compensation", &["kollig-keller", "screen-space"]),
     Param::new(
         "arrival",
-        Kind::Choice(&["path", "lights"]),
-        "path",
-        "how light is found where a residual path arrives: by path tracing from there on, or by all lights again as in the paper (slower, less noise)",
+        Kind::Choice(&["lights", "path"]),
+        "lights",
+        "how light is found where a residual path arrives: by all lights again as in the paper, or by path tracing from there on (fewer rays, more noise)",
     )
     .part_of("compensation", &["kollig-keller"]),
     Param::new("neighbours", Kind::Integer { min: 1, max: 4096 }, "32", "pixels that each pixel asks in a step")
