@@ -26,10 +26,10 @@ pub enum Radius {
     Fixed(f32),
 }
 
-/// Of the radius of the scene's bounding sphere: no sphere is smaller, so that coincident lights do not spike (a blur that more paths
-/// do not take away), and none larger, so
-/// that the only light of a room does not light all of it at once; before `scale`.
-const SMALLEST: f32 = 1e-4;
+/// Of the radius of the scene's bounding sphere: spheres of coincident lights, which else would spike. Only those: a floor for all would
+/// leave a blur that more paths do not take away.
+const COINCIDENT: f32 = 1e-4;
+/// Likewise: no sphere is larger, before `scale`, so that the only light of a room does not light all of it at once.
 const LARGEST: f32 = 0.05;
 /// Normals of neighbours make at most 60 degrees.
 const ALIKE: f32 = 0.5;
@@ -40,7 +40,7 @@ impl Radius {
     /// A radius for each light; zero for those on emitters and in media, which stay points.
     pub(crate) fn of(&self, scene: &Scene, lights: &[Vpl]) -> Vec<f32> {
         let extent = scene.bounds().radius();
-        let within = |r: f32| r.clamp(SMALLEST * extent, LARGEST * extent);
+        let within = |r: f32| if r > 0.0 { r.min(LARGEST * extent) } else { COINCIDENT * extent };
         match *self {
             Radius::Fixed(r) => lights.iter().map(|l| if normal(l).is_some() { r } else { 0.0 }).collect(),
             Radius::Even { scale } => {
