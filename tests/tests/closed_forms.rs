@@ -54,6 +54,7 @@ fn one_light_path_in_a_sphere_gives_every_truncation_exactly() {
                 compensation: Compensation::None,
                 max_edges: k,
                 min_edges: 1,
+                sharp: 0.0,
             };
             let truth = (0..k).fold([0.0f64; 3], |sum, j| {
                 let c = rho.to_array();

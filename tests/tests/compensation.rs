@@ -339,6 +339,7 @@ fn what_is_wrong_in_one_place_is_rejected() {
             compensation: Compensation::Point(Box::new(Liar(lie))),
             max_edges: u32::MAX,
             min_edges: 2,
+            sharp: 0.0,
         };
         assert!(method.claim().is_unbiased());
         let runs = block_runs(&scene, &method as &dyn Method, 128, 9, 32, 1);

@@ -22,7 +22,7 @@ use manylight_vpl::{Emission, Keller, Points, Rejection, Vpl};
 /// Indirect light alone, with a bound that makes its variance finite.
 fn indirect(generator: Box<dyn Generator<Lights = Vec<Vpl>>>, bound: f32, max_edges: u32) -> impl Method {
     let (bounding, compensation) = (BoundPlan::fixed(bound), Compensation::None);
-    ManyLights { generator, plan: All, kernel: Points, bounding, compensation, max_edges, min_edges: 3 }
+    ManyLights { generator, plan: All, kernel: Points, bounding, compensation, max_edges, min_edges: 3, sharp: 0.0 }
 }
 fn keller(paths: u64) -> Keller {
     Keller { paths, max_edges: Some(12), certain_edges: 1, emission: Emission::Full }

@@ -25,7 +25,7 @@ fn room() -> Scene {
 fn composed<K>(generator: Lights, kernel: K) -> ManyLights<Vec<Vpl>, All, K, BoundPlan> {
     let compensation = Compensation::None;
     let (bounding, max_edges, min_edges) = (BoundPlan::NONE, u32::MAX, 1);
-    ManyLights { generator, plan: All, kernel, bounding, compensation, max_edges, min_edges }
+    ManyLights { generator, plan: All, kernel, bounding, compensation, max_edges, min_edges, sharp: 0.0 }
 }
 /// Against the exact radiance, of all paths.
 fn verdict<K: Kernel<Vertex, Vpl> + Send + 'static>(generator: Lights, kernel: K) -> Verdict {

@@ -321,6 +321,7 @@ fn liars_in_fog_are_rejected() {
             compensation: Compensation::None,
             max_edges: u32::MAX,
             min_edges: 3,
+            sharp: 0.0,
         };
         let liar = InMedia { lights, segment: Whole };
         let verdict =

@@ -53,6 +53,17 @@ impl Lobe {
     pub const NONE: Lobe = Lobe { with_cosine: 0.0, without_cosine: 0.0 };
 }
 
+/// A BSDF in two, by roughness: their sum is the whole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Split {
+    /// All but the sharp lobes, delta lobes included.
+    pub dull: Bsdf,
+    /// The sharp lobes.
+    pub sharp: Bsdf,
+    /// Probability with which the whole samples its sharp lobes: how much of the light they are likely to carry.
+    pub chance: f32,
+}
+
 /// What each model answers; [`Bsdf`] has the contracts. `upper_bound` is only asked for `wi` above the surface.
 pub(crate) trait Model {
     const SMOOTH: bool;
@@ -62,6 +73,10 @@ pub(crate) trait Model {
     fn sample(&self, wi: Vec3, mode: Mode, u_lobe: f32, u: Vec2) -> Option<BsdfSample>;
     fn albedo(&self, wi: Vec3) -> Spectrum;
     fn upper_bound(&self, wi: Vec3, cone: &Cone) -> Lobe;
+    /// `None`: no lobe is as sharp as that, delta lobes aside.
+    fn split(&self, _wi: Vec3, _alpha: f32) -> Option<Split> {
+        None
+    }
 }
 
 /// How a point of a surface scatters: a model with its textures resolved.
@@ -149,6 +164,10 @@ impl Bsdf {
         }
         let Some(cone) = Cone::above_surface(axis, cos_half) else { return Lobe::NONE };
         ask!(self, Lobe::NONE, m => m.upper_bound(wi, &cone))
+    }
+    /// Parts the lobes of a roughness of at most `alpha` from the others; `None` if there are none, delta lobes aside.
+    pub fn split(&self, wi: Vec3, alpha: f32) -> Option<Split> {
+        ask!(self, None, m => m.split(wi, alpha))
     }
 }
 

@@ -29,7 +29,7 @@ mod rough_plastic;
 mod rough_transmittance;
 mod special;
 
-pub use bsdf::{Bsdf, BsdfSample, Lobe, Mode};
+pub use bsdf::{Bsdf, BsdfSample, Lobe, Mode, Split};
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;

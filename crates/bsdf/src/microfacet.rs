@@ -48,6 +48,10 @@ impl Microfacets {
         }
     }
 
+    /// Is the lobe as narrow as an isotropic one of roughness `alpha`? By its solid angle.
+    pub fn as_sharp_as(&self, alpha: f32) -> bool {
+        self.alpha_u * self.alpha_v <= alpha * alpha
+    }
     /// alpha sin(theta) of a direction, squared: its cosine over it is cot(theta) / alpha.
     fn stretched_sin2(&self, w: Vec3) -> f32 {
         (self.alpha_u * w.x).powi(2) + (self.alpha_v * w.y).powi(2)

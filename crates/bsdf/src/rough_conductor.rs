@@ -1,6 +1,6 @@
 //! A rough metal.
 
-use crate::bsdf::{BsdfSample, Lobe, Mode, Model};
+use crate::bsdf::{Bsdf, BsdfSample, Lobe, Mode, Model, Split};
 use crate::cone::Cone;
 use crate::fresnel;
 use crate::microfacet::{Distribution, Microfacets, mirror};
@@ -72,5 +72,8 @@ impl Model for RoughConductor {
         let fresnel = fresnel::conductor_bound(bound.cos_half_min, bound.cos_half_max, self.eta, self.k);
         let largest = (fresnel * self.specular_reflectance).largest() * Cone::ROUNDING;
         Lobe { with_cosine: largest * bound.with_cosine, without_cosine: largest * bound.without_cosine }
+    }
+    fn split(&self, _wi: Vec3, alpha: f32) -> Option<Split> {
+        self.microfacets.as_sharp_as(alpha).then_some(Split { dull: Bsdf::Black, sharp: (*self).into(), chance: 1.0 })
     }
 }

@@ -1,6 +1,6 @@
 //! A diffuse base under a rough coat.
 
-use crate::bsdf::{BsdfSample, Lobe, Mode, Model};
+use crate::bsdf::{BsdfSample, Lobe, Mode, Model, Split};
 use crate::cone::Cone;
 use crate::fresnel;
 use crate::microfacet::{Microfacets, mirror};
@@ -92,5 +92,15 @@ impl Model for RoughPlastic {
             with_cosine: largest(bound.with_cosine, diffuse * cone.cos_max),
             without_cosine: largest(bound.without_cosine, diffuse),
         }
+    }
+    fn split(&self, wi: Vec3, alpha: f32) -> Option<Split> {
+        if !self.coat.microfacets.as_sharp_as(alpha) {
+            return None;
+        }
+        // Without the other lobe's reflectance either part would choose by weights that are no longer true.
+        let dull = RoughPlastic { specular_reflectance: Spectrum::BLACK, specular_weight: 0.0, ..*self };
+        let sharp = RoughPlastic { base: Spectrum::BLACK, specular_weight: 1.0, ..*self };
+        let chance = self.choice(wi).map_or(0.0, |choice| choice.coat);
+        Some(Split { dull: dull.into(), sharp: sharp.into(), chance })
     }
 }

@@ -152,3 +152,29 @@ fn black_scatters_nothing_and_lobes_are_what_they_say() {
         assert!(bsdf.has_smooth() && bsdf.has_delta() == drawn_delta, "{name}");
     }
 }
+
+#[test]
+fn the_sharp_and_the_dull_lobes_are_the_whole_and_each_samples_itself() {
+    let mut parted = 0;
+    for (name, bsdf) in smooth_models() {
+        let mut s = stream(15);
+        for _ in 0..2000 {
+            let wi = polar(1.5 * s.next_f32(), std::f32::consts::TAU * s.next_f32());
+            let Some(split) = bsdf.split(wi, 0.3) else { continue };
+            assert!((0.0..=1.0).contains(&split.chance), "{name}");
+            let parts = [split.dull, split.sharp];
+            for part in parts {
+                let Some(sample) = draw(&part, wi, &mut s) else { continue };
+                let (whole, sum) =
+                    (bsdf.eval(wi, sample.wo), parts[0].eval(wi, sample.wo) + parts[1].eval(wi, sample.wo));
+                assert!((whole - sum).0.abs().max_element() <= 1e-5 * whole.largest(), "{name} {whole:?} {sum:?}");
+                let weight = part.eval(wi, sample.wo) * (sample.wo.z / sample.pdf);
+                let error = (weight - sample.weight).0.abs().max_element();
+                assert!(error < 1e-4 * sample.weight.largest() + 1e-7, "{name} {wi} {sample:?} {weight:?}");
+                parted += 1;
+            }
+            assert!(bsdf.split(wi, 0.01).is_none(), "{name}");
+        }
+    }
+    assert!(parted > 10_000, "{parted}");
+}

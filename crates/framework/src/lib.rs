@@ -81,6 +81,7 @@
 //!     bounding: BoundPlan::AUTO,                // manylight-compensation: the plan of a bound, not a bound
 //!     compensation: Compensation::None,          // this crate
 //!     max_edges: 6, min_edges: 1,                // path lengths, emitter to eye; 2 is direct light
+//!     sharp: 0.0,                                // lobes no rougher than this are walked through
 //! }
 //! ```
 //!

@@ -1,5 +1,6 @@
 //! The residual of a whole frame.
 
+use crate::eye::Parts;
 use manylight_framework::{
     Bounding, Depth, Film, Frame, FrameCompensator, GBuffer, Onward, Pixel, Probe, TILE, collect,
 };
@@ -12,10 +13,11 @@ pub(crate) fn add_residual(
     scene: &Scene,
     bounding: &dyn Bounding,
     onward: &dyn Onward,
+    sharp: f32,
     film: &mut Film,
     probe: &mut Probe,
 ) {
-    let gbuffer = gbuffer(scene, film, onward, probe);
+    let gbuffer = gbuffer(scene, film, onward, sharp, probe);
     let scheduler = film.scheduler();
     let frame = Frame { scene, gbuffer: &gbuffer, bounding, rendered: &film.image, onward, scheduler };
     let residual = compensator.residual(&frame, film.seed, film.pass, probe);
@@ -34,13 +36,13 @@ pub(crate) fn add_residual(
 }
 
 /// What the first camera sample of each pixel sees, found again.
-fn gbuffer(scene: &Scene, film: &Film, onward: &dyn Onward, probe: &mut Probe) -> GBuffer {
+fn gbuffer(scene: &Scene, film: &Film, onward: &dyn Onward, sharp: f32, probe: &mut Probe) -> GBuffer {
     let (width, count) = (film.image.width, film.image.pixels.len());
     let chunk = width.max(1) * TILE;
     let tasks = collect(film.scheduler(), count.div_ceil(chunk), &|task| {
         let mut probe = Probe::default();
         let places = task * chunk..((task + 1) * chunk).min(count);
-        let pixels: Vec<_> = places.map(|i| first_vertex(scene, film, i, onward, &mut probe)).collect();
+        let pixels: Vec<_> = places.map(|i| first_vertex(scene, film, i, onward, sharp, &mut probe)).collect();
         (pixels, probe)
     });
     let mut pixels = Vec::with_capacity(count);
@@ -54,8 +56,15 @@ fn gbuffer(scene: &Scene, film: &Film, onward: &dyn Onward, probe: &mut Probe) -
     GBuffer { width, pixels }
 }
 
-/// Walks through delta lobes as the eye path does, and with its random numbers to begin with.
-fn first_vertex(scene: &Scene, film: &Film, pixel: usize, onward: &dyn Onward, probe: &mut Probe) -> Option<Pixel> {
+/// Walks through delta and sharp lobes as the eye path does, and with its random numbers to begin with.
+fn first_vertex(
+    scene: &Scene,
+    film: &Film,
+    pixel: usize,
+    onward: &dyn Onward,
+    sharp: f32,
+    probe: &mut Probe,
+) -> Option<Pixel> {
     let mut s = film.stream(pixel, 0);
     let (mut ray, weight) = film.camera_ray(pixel, &mut s);
     let (mut throughput, mut depth) = (Spectrum::gray(weight), 0.0f32);
@@ -67,13 +76,15 @@ fn first_vertex(scene: &Scene, film: &Film, pixel: usize, onward: &dyn Onward, p
         }
         let vertex = scene.intersect(&ray, Mode::Radiance)?;
         depth += (vertex.p - ray.origin).length();
-        if vertex.connects() {
+        let parts = Parts::of(&vertex, sharp);
+        if parts.gathers.connects() {
+            let vertex = parts.gathers;
             let facing = vertex.normal().map_or(1.0, |n| n.dot(ray.dir).abs());
             // A pixel of the film at unit distance, seen from the pinhole, spread over the surface that it meets.
             let area = film.camera.pixel_area() * cos_axis.powi(3) * depth * depth / facing.max(1e-3);
             return Some(Pixel { vertex, edges, area, depth, throughput });
         }
-        let next = vertex.sample(s.next_f32(), s.next_2d()).filter(|n| n.delta)?;
+        let next = parts.step(&mut s)?;
         throughput *= next.weight;
         ray = vertex.leave(next.dir);
         probe.path_rays += 1;

@@ -1,5 +1,6 @@
 //! The composite.
 
+use crate::eye::Parts;
 use crate::frame;
 use crate::further::Further;
 use crate::in_media::up_to;
@@ -30,6 +31,9 @@ pub struct ManyLights<L, P, K, B> {
     pub max_edges: u32,
     /// Shortest path, in edges: shorter ones (1: emission seen directly, 2: direct light) are left out.
     pub min_edges: u32,
+    /// Lobes of a roughness (alpha) of at most this are walked through on the eye's side, as delta lobes are, and not connected
+    /// to lights; 0: none.
+    pub sharp: f32,
 }
 
 /// The lights of a pass.
@@ -56,7 +60,7 @@ where
     pub(crate) fn counts(&self, edges: u32) -> bool {
         (self.min_edges..=self.max_edges).contains(&edges)
     }
-    /// Walks from the eye through delta lobes until the first vertex that scatters.
+    /// Walks from the eye through delta and sharp lobes until the first vertex that has no others.
     pub(crate) fn walk(
         &self,
         scene: &Scene,
@@ -70,6 +74,8 @@ where
         // A frame's compensation is for the first vertex that gathers: behind it, in the reflection of a smooth coat, points are
         // compensated one by one.
         let mut framed = true;
+        // Is the emission that the walk meets not yet in the direct light of the vertex before?
+        let mut emission = true;
         for edges in 1..=self.max_edges {
             if edges > 1 {
                 probe.path_rays += 1;
@@ -79,20 +85,24 @@ where
             sum += throughput * scattered;
             throughput *= through;
             let Some(x) = x else {
-                if self.counts(edges) {
+                if emission && self.counts(edges) {
                     sum += throughput * scene.environment(ray.dir);
                 }
                 break;
             };
-            if self.counts(edges) {
+            if emission && self.counts(edges) {
                 sum += throughput * x.emitted();
             }
+            let parts = Parts::of(&x, self.sharp);
+            let at = Depth { edges, level: 0 };
+            // Of all lobes, sharp ones too: emission is not counted behind those.
+            sum += throughput * self.direct(scene, p, &x, edges, probe, s);
             framed &= edges <= frame::MOST_EDGES;
             let compensator = self.compensation.at(if framed { 0 } else { 1 });
-            sum += throughput * self.outgoing(scene, p, &x, Depth { edges, level: 0 }, compensator, probe, s);
-            framed &= !x.connects();
-            // Everything but the delta lobes has been gathered: walk on through those alone.
-            let Some(next) = x.sample(s.next_f32(), s.next_2d()).filter(|n| n.delta) else { break };
+            sum += throughput * self.gathered(scene, p, &parts.gathers, at, compensator, probe, s);
+            framed &= !parts.gathers.connects();
+            let Some(next) = parts.step(s) else { break };
+            emission = next.delta || p.covers_direct;
             throughput *= next.weight;
             if throughput.is_black() {
                 break;
@@ -117,19 +127,43 @@ where
         probe: &mut Probe,
         s: &mut Stream,
     ) -> Spectrum {
+        self.direct(scene, p, x, at.edges, probe, s) + self.gathered(scene, p, x, at, compensator, probe, s)
+    }
+    /// Sampled direct light, if the lights do not bring it.
+    fn direct(
+        &self,
+        scene: &Scene,
+        p: &Prepared<P::Set, B::Pass>,
+        x: &Vertex,
+        edges: u32,
+        probe: &mut Probe,
+        s: &mut Stream,
+    ) -> Spectrum {
+        if p.covers_direct || !self.counts(edges + 1) || !x.connects() {
+            return Spectrum::BLACK;
+        }
+        direct_light(scene, x, probe, s)
+    }
+    /// What the lights bring to `x`, and what the bounding took away.
+    pub(crate) fn gathered(
+        &self,
+        scene: &Scene,
+        p: &Prepared<P::Set, B::Pass>,
+        x: &Vertex,
+        at: Depth,
+        compensator: Option<&dyn Compensator>,
+        probe: &mut Probe,
+        s: &mut Stream,
+    ) -> Spectrum {
         if at.edges >= self.max_edges || !x.connects() {
             return Spectrum::BLACK;
         }
         let lights = compensator.is_none_or(|c| c.asks_lights(at.level));
         let bounding: &dyn Bounding = if lights { &p.bounding } else { &KeepNothing };
         let mut sum = Spectrum::BLACK;
-        if self.counts(at.edges + 1) {
-            if !p.covers_direct {
-                sum += direct_light(scene, x, probe, s);
-            } else if self.compensation.is_some() {
-                // Virtual lights on the emitters are bounded too. Emitters can be sampled: no residual path need find them.
-                sum += lost_direct_light(scene, x, bounding, probe, s);
-            }
+        if p.covers_direct && self.compensation.is_some() && self.counts(at.edges + 1) {
+            // Virtual lights on the emitters are bounded too. Emitters can be sampled: no residual path need find them.
+            sum += lost_direct_light(scene, x, bounding, probe, s);
         }
         if lights {
             let mut ask = Gather {
@@ -188,7 +222,7 @@ where
         film.fill(probe, &|ray, probe, s| self.radiance(scene, p, ray, probe, s));
         if let Compensation::Frame(c) = &self.compensation {
             let onward = Further { method: self, scene, prepared: p };
-            frame::add_residual(&**c, scene, &p.bounding, &onward, film, probe);
+            frame::add_residual(&**c, scene, &p.bounding, &onward, self.sharp, film, probe);
         }
     }
 }

@@ -33,6 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         compensation: Compensation::None,
         max_edges,
         min_edges: 1,
+        sharp: 0.0,
     };
     println!("this is {}", method.claim());
     let settings = Settings { budget: Budget::Passes(16), seed: 0, spp: 1, threads: None };

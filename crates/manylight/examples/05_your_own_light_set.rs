@@ -93,6 +93,7 @@ fn with<P: Plan<Vec<Vpl>>>(plan: P, max_edges: u32) -> ManyLights<Vec<Vpl>, P, P
         compensation: Compensation::None,
         max_edges,
         min_edges: 1,
+        sharp: 0.0,
     }
 }
 

@@ -261,6 +261,14 @@ impl Vertex {
             _ => 0.0,
         }
     }
+    /// Parts the lobes of a roughness (alpha) of at most `alpha` from the others: what is left of this vertex, the same vertex
+    /// with those alone, and the probability with which drawing chooses them. `None` if there are none, delta lobes aside.
+    pub fn split(&self, alpha: f32) -> Option<(Vertex, Vertex, f32)> {
+        let Scatter::Surface(x) = &self.scatter else { return None };
+        let split = x.bsdf.split(x.frame.to_local(x.wi), alpha)?;
+        let with = |bsdf| Vertex { p: self.p, scatter: Scatter::Surface(SurfacePoint { bsdf, ..*x }) };
+        Some((with(split.dull), with(split.sharp), split.chance))
+    }
     /// Can anything but a delta lobe be evaluated here? If not, no light can be connected to it.
     pub fn connects(&self) -> bool {
         match &self.scatter {

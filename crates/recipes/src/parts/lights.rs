@@ -2,7 +2,7 @@
 
 use crate::RecipeError;
 use crate::params::{Kind, Param, WHOLE};
-use crate::parts::{bound, compensation};
+use crate::parts::{bound, compensation, sharp};
 use crate::values::Values;
 use manylight_compensation::BoundPlan;
 use manylight_framework::{Bounds, Clustered, Generator, Kernel, Method, Plan, Reaches};
@@ -115,8 +115,10 @@ fn growth(v: &Values, scene: &Scene) -> Result<Growth, RecipeError> {
     let build = if v.text("tree") == "greedy" { Build::Greedy } else { Build::Fast };
     let limited = max_edges != u32::MAX || min_edges > 1;
     let together = match v.text("lights") == "lightcuts" && limited {
-        // Behind delta lobes, and where residual paths arrive, there are receivers of any depth: none may share.
-        true if scene.has_delta_lobes() || compensation::asks_lights_further_on(v) => (u32::MAX, 0),
+        // Behind delta and sharp lobes, and where residual paths arrive, there are receivers of any depth: none may share.
+        true if scene.has_delta_lobes() || sharp::sharp(v)? > 0.0 || compensation::asks_lights_further_on(v) => {
+            (u32::MAX, 0)
+        }
         // All receivers are one edge from the eye.
         true => (min_edges.saturating_sub(2), max_edges.saturating_sub(2)),
         false => Growth::ALL_DEPTHS,
@@ -139,5 +141,6 @@ where
 {
     let (min_edges, max_edges) = v.depths(scene)?;
     let (bounding, compensation) = (bound::plan(v)?, compensation::compensation(v, scene)?);
-    Ok(Box::new(ManyLights { generator, plan, kernel, bounding, compensation, max_edges, min_edges }))
+    let sharp = sharp::sharp(v)?;
+    Ok(Box::new(ManyLights { generator, plan, kernel, bounding, compensation, max_edges, min_edges, sharp }))
 }

@@ -1,7 +1,7 @@
 //! Virtual lights in media: point lights at collisions, and ray lights.
 
 use crate::params::{Kind, Param, WHOLE};
-use crate::parts::bound;
+use crate::parts::{bound, sharp};
 use crate::values::Values;
 use crate::{RecipeError, parts::direct};
 use manylight_compensation::BoundPlan;
@@ -61,7 +61,7 @@ const RAYS: &[Param] = &[
 ];
 
 /// Of `vrl`.
-pub(crate) const VRL: &[&[Param]] = &[PARAMS, RAYS];
+pub(crate) const VRL: &[&[Param]] = &[PARAMS, RAYS, sharp::PARAMS];
 
 pub(crate) fn rays(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
     let power = Power { samples: v.integer("samples")? as u32 };
@@ -88,13 +88,13 @@ where
         "none" => BoundPlan::NONE,
         _ => BoundPlan::fixed(v.number("bound")?),
     };
-    let compensation = Compensation::None;
-    let lights = ManyLights { generator, plan, kernel: Rays, bounding, compensation, max_edges, min_edges };
+    let (compensation, sharp) = (Compensation::None, sharp::sharp(v)?);
+    let lights = ManyLights { generator, plan, kernel: Rays, bounding, compensation, max_edges, min_edges, sharp };
     Ok(Box::new(InMedia { lights, segment: Whole }))
 }
 
 /// Of `media-vpl`.
-pub(crate) const MEDIA_VPL: &[&[Param]] = &[PARAMS, SEGMENT, bound::PARAMS, direct::PARAMS];
+pub(crate) const MEDIA_VPL: &[&[Param]] = &[PARAMS, SEGMENT, bound::PARAMS, direct::PARAMS, sharp::PARAMS];
 
 pub(crate) fn vpls(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
     match v.text("lights") {
@@ -115,9 +115,9 @@ where
                 .into(),
         ));
     }
-    let (bounding, compensation) = (bound::plan(v)?, Compensation::None);
+    let (bounding, compensation, sharp) = (bound::plan(v)?, Compensation::None, sharp::sharp(v)?);
     let generator = generator(v, scene)?;
-    let lights = ManyLights { generator, plan, kernel: Points, bounding, compensation, max_edges, min_edges };
+    let lights = ManyLights { generator, plan, kernel: Points, bounding, compensation, max_edges, min_edges, sharp };
     Ok(match v.text("segment") {
         "points" => Box::new(InMedia { lights, segment: Sampled { points: v.integer("points")? as u32 } }),
         _ => Box::new(InMedia { lights, segment: Whole }),

@@ -10,6 +10,7 @@ mod generator;
 mod kernel;
 mod lights;
 pub(crate) mod media;
+mod sharp;
 
 use crate::values::Values;
 use crate::{Param, RecipeError};
@@ -17,8 +18,15 @@ use manylight_framework::Method;
 use manylight_scene::Scene;
 
 /// Of every composition of virtual lights.
-pub(crate) const MANY_LIGHTS: &[&[Param]] =
-    &[generator::PARAMS, lights::PARAMS, kernel::PARAMS, bound::PARAMS, compensation::PARAMS, direct::PARAMS];
+pub(crate) const MANY_LIGHTS: &[&[Param]] = &[
+    generator::PARAMS,
+    lights::PARAMS,
+    kernel::PARAMS,
+    bound::PARAMS,
+    compensation::PARAMS,
+    direct::PARAMS,
+    sharp::PARAMS,
+];
 
 pub(crate) fn many_lights(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
     direct::check(v)?;
