@@ -64,7 +64,7 @@ fn check(plane: bool, rows: &[Row], plain: bool) {
         let inside = if plane { "plane" } else { "interior" };
         println!("{inside} {n} {alpha_h}: {m:.3} / {l:.3} / {c:.1}, the notes say {mean} / {largest} / {met}");
         // Half of the last digit; otherwise what the notes allow, single points more.
-        let (mean_may, largest_may, met_may) = if plain { (1e-3, 4e-3, 2e-3) } else { (0.02, 0.05, 0.01) };
+        let (mean_may, largest_may, met_may) = if plain { (4e-3, 4e-3, 2e-3) } else { (0.02, 0.05, 0.01) };
         let near = |a: f64, b: f64, may: f64| (a - b).abs() < 6e-4 + may * b;
         assert!(near(m, mean, mean_may), "{inside} {n} {alpha_h}: mean error {m}, expected {mean}");
         assert!(near(l, largest, largest_may), "{inside} {n} {alpha_h}: largest {l}, expected {largest}");
