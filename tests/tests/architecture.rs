@@ -14,7 +14,7 @@ const FLOORS: &[(u32, &[&str])] = &[
     (3, &["bsdf", "media"]),
     (4, &["scene"]),
     (5, &["framework", "scene-io"]),
-    (6, &["vpl", "compensation", "light-list", "lamps", "light-tree", "many-lights", "reference", "render"]),
+    (6, &["vpl", "compensation", "lgh", "light-list", "lamps", "light-tree", "many-lights", "reference", "render"]),
     (7, &["metropolis-ir", "vrl", "vsl"]),
     (RECIPES, &["recipes", "report"]),
     (9, &["cli"]),
@@ -37,7 +37,8 @@ const NEVER: &[(&str, &[&str], &str)] = &[
         &["scene", "geometry", "bsdf"],
         "a light set asks questions: it sees no scene, no shape and no material",
     ),
-    ("vpl", &["light-list", "light-tree"], "a kernel does not know who asks it"),
+    ("lgh", &["scene", "geometry", "bsdf"], "a light set asks questions: it sees no scene, no shape and no material"),
+    ("vpl", &["lgh", "light-list", "light-tree"], "a kernel does not know who asks it"),
     ("vsl", &["light-list", "light-tree"], "a kernel does not know who asks it"),
     ("stats", &["math", "sampling", "scene", "framework"], "the judge knows no renderer"),
 ];
@@ -46,7 +47,8 @@ const NEVER: &[(&str, &[&str], &str)] = &[
 const APART: [&str; 4] = ["reference", "vpl", "many-lights", "lamps"];
 
 /// Parts that only `recipes` and what is above it may name.
-const PARTS: &[&str] = &["compensation", "lamps", "light-list", "light-tree", "many-lights", "reference", "render"];
+const PARTS: &[&str] =
+    &["compensation", "lamps", "lgh", "light-list", "light-tree", "many-lights", "reference", "render"];
 
 /// What only some crates may do to the world: what, as it looks in a source, who may.
 const WORLDLY: &[(&str, &[&str], &[&str])] = &[

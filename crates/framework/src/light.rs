@@ -40,10 +40,25 @@ pub trait Clustered: VirtualLight {
     fn cost(cluster: &Self::Cluster, scale: f32) -> f32;
 }
 
-/// Lights that a grid can average into a made-up one (lighting grid hierarchy).
+/// Lights that a grid can average into made-up ones (lighting grid hierarchy). Many are averaged at once, in parts that are summed
+/// by several threads, hence a running sum and not a slice of lights.
+#[diagnostic::on_unimplemented(
+    message = "a grid cannot average lights of type `{Self}`",
+    note = "implement `Blend`, or use a light set that averages none"
+)]
 pub trait Blend: Clustered {
     /// The made-up light.
     type Synthetic: VirtualLight;
-    /// Weighted lights as one, and where it is; keeps the sum of the intensities. `None` if they have none.
-    fn blend(parts: &[(f32, Self)]) -> Option<(Vec3, Self::Synthetic)>;
+    /// Weighted sums over lights; the default is that of none.
+    type Sum: Clone + Default + Send + Sync;
+    /// May it be averaged? One that may not (it has no place) is asked for itself at every receiver.
+    fn blends(&self) -> bool {
+        true
+    }
+    /// Adds a light with its weight in (0, 1]. In f64: a million lights may differ by decades.
+    fn add(&self, weight: f64, sum: &mut Self::Sum);
+    /// Adds the sum over other lights.
+    fn join(sum: &mut Self::Sum, other: &Self::Sum);
+    /// The lights of a sum as one, and where it is; keeps the sum of the intensities. `None` if they have none.
+    fn made(sum: &Self::Sum) -> Option<(Vec3, Self::Synthetic)>;
 }

@@ -29,6 +29,7 @@ pub use manylight_compensation as compensation;
 pub use manylight_framework as framework;
 pub use manylight_geometry as geometry;
 pub use manylight_lamps as lamps;
+pub use manylight_lgh as lgh;
 pub use manylight_light_list as light_list;
 pub use manylight_light_tree as light_tree;
 pub use manylight_many_lights as many_lights;
