@@ -3,7 +3,7 @@
 use crate::LightTree;
 use manylight_framework::{Clustered, Reach};
 
-/// The end of a walk.
+/// A walk: where it is, and in the end where it ended.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Descent {
     /// A leaf; or, where the branch is dead, the node below which nothing can contribute.
@@ -11,31 +11,68 @@ pub(crate) struct Descent {
     pub dead: bool,
     /// Product of the probabilities on the way.
     pub probability: f64,
+    /// One number of 53 bits does for the whole way: what is left of it after each turn is uniform again, so that leaves follow it
+    /// from left to right.
+    pub u: f64,
 }
 
 /// Below one.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
+impl Descent {
+    /// At its beginning; `u` in [0, 1).
+    pub fn from(node: u32, u: f64) -> Self {
+        Descent { node, dead: false, probability: 1.0, u }
+    }
+    /// Takes a child by the probabilities of both; none: the branch is dead. Says whether the walk goes on.
+    fn turn(&mut self, children: [u32; 2], odds: Option<[f64; 2]>) -> bool {
+        let Some([p, q]) = odds else {
+            self.dead = true;
+            return false;
+        };
+        // Strictly: an impossible child is never taken, not even for u = 0.
+        (self.node, self.u, self.probability) = if self.u < p {
+            (children[0], (self.u / p).min(BELOW_ONE), self.probability * p)
+        } else {
+            (children[1], ((self.u - p) / q).clamp(0.0, BELOW_ONE), self.probability * q)
+        };
+        true
+    }
+}
+
 /// Walks from a node to a leaf; at each inner node `odds` are the probabilities of its two children, or `None` in a dead branch,
-/// where nothing below can contribute. One number of 53 bits does for the whole way: what is left of it after each turn is
-/// uniform again, so that leaves follow it from left to right.
+/// where nothing below can contribute.
 pub(crate) fn descend<L: Clustered>(
     tree: &LightTree<L>,
-    mut node: u32,
-    mut u: f64,
-    mut odds: impl FnMut([u32; 2]) -> Option<[f64; 2]>,
+    node: u32,
+    u: f64,
+    mut odds: impl FnMut([&L::Cluster; 2]) -> Option<[f64; 2]>,
 ) -> Descent {
-    let mut probability = 1.0;
-    while let Some(children) = tree.children(node) {
-        let Some([p, q]) = odds(children) else { return Descent { node, dead: true, probability } };
-        // Strictly: an impossible child is never taken, not even for u = 0.
-        if u < p {
-            (node, u, probability) = (children[0], (u / p).min(BELOW_ONE), probability * p);
-        } else {
-            (node, u, probability) = (children[1], ((u - p) / q).clamp(0.0, BELOW_ONE), probability * q);
-        }
+    let mut walk = Descent::from(node, u);
+    while let Some(children) = tree.children(walk.node)
+        && walk.turn(children, odds(children.map(|c| tree.cluster(c))))
+    {}
+    walk
+}
+
+/// The same, for several walks at once. A walk down a large tree waits for memory at each node: what all of them look at next is
+/// copied here before any goes on, and so arrives together.
+pub(crate) fn descend_all<L: Clustered>(
+    tree: &LightTree<L>,
+    walks: &mut [Descent],
+    mut odds: impl FnMut([&L::Cluster; 2]) -> Option<[f64; 2]>,
+) {
+    let mut walking: Vec<usize> = (0..walks.len()).collect();
+    let mut ahead = Vec::with_capacity(walks.len());
+    while !walking.is_empty() {
+        walking.retain(|&w| {
+            let children = tree.children(walks[w].node);
+            ahead.extend(children.map(|c| (c, c.map(|c| *tree.cluster(c)))));
+            children.is_some()
+        });
+        let mut next = ahead.drain(..);
+        walking.retain(|&w| next.next().is_some_and(|(children, [a, b])| walks[w].turn(children, odds([&a, &b]))));
     }
-    Descent { node, dead: false, probability }
 }
 
 /// Probability with which `descend` ends at the light of this place among the leaves, which lies below the node.
@@ -43,11 +80,11 @@ pub(crate) fn probability<L: Clustered>(
     tree: &LightTree<L>,
     mut node: u32,
     place: u32,
-    mut odds: impl FnMut([u32; 2]) -> Option<[f64; 2]>,
+    mut odds: impl FnMut([&L::Cluster; 2]) -> Option<[f64; 2]>,
 ) -> f64 {
     let mut probability = 1.0;
     while let Some(children) = tree.children(node) {
-        let Some(odds) = odds(children) else { return 0.0 };
+        let Some(odds) = odds(children.map(|c| tree.cluster(c))) else { return 0.0 };
         let right = tree.side(children[0], place) as usize;
         probability *= odds[right];
         node = children[right];

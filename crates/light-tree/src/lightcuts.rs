@@ -107,8 +107,7 @@ impl<L: Clustered> CutLights<L> {
             let leaf = match self.plan.standing {
                 Standing::Receiver => {
                     descend(&self.tree, node, s.next_f64(), |[a, b]| {
-                        let weigh = |n| self.tree.weight(n) as f64;
-                        let (a, b) = (weigh(a), weigh(b));
+                        let (a, b) = (L::weight(a) as f64, L::weight(b) as f64);
                         Some([a / (a + b), b / (a + b)])
                     })
                     .node

@@ -1,6 +1,6 @@
 //! Stochastic lightcuts.
 
-use crate::descent::{Descent, descend, min_max, probability};
+use crate::descent::{Descent, descend, descend_all, min_max, probability};
 use crate::{Growth, LightTree};
 use manylight_framework::{
     BuildError, Claim, Clustered, Contribute, KnobSet, LightSet, Notes, Occlusion, Picks, Plan, Promise, ReachCluster,
@@ -81,8 +81,9 @@ impl<L: Clustered> DescentLights<L> {
         Open { node, error: r.intensity * r.facing_max / r.near2.max(self.near2) }
     }
     /// Probabilities with which a walk takes either child of a node; `None` where nothing below can contribute.
-    pub fn odds<Q: ReachCluster<L::Cluster>>(&self, ask: &Q, [a, b]: [u32; 2]) -> Option<[f64; 2]> {
-        min_max(&ask.reach(self.tree.cluster(a)), &ask.reach(self.tree.cluster(b)))
+    pub fn odds<Q: ReachCluster<L::Cluster>>(&self, ask: &Q, children: [&L::Cluster; 2]) -> Option<[f64; 2]> {
+        let [a, b] = children.map(|c| ask.reach(c));
+        min_max(&a, &b)
     }
     fn draw<Q: ReachCluster<L::Cluster>>(&self, node: u32, ask: &Q, s: &mut Stream) -> Descent {
         descend(&self.tree, node, s.next_f64(), |children| self.odds(ask, children))
@@ -128,7 +129,13 @@ where
     fn radiance(&self, ask: &mut Q, s: &mut Stream) -> Spectrum {
         let Some(root) = self.tree.root() else { return Spectrum::BLACK };
         let samples = match self.plan.by {
-            CutBy::Size => self.cut(root, ask).iter().map(|o| self.sample(o.node, ask, s)).collect(),
+            CutBy::Size => {
+                let mut walks: Vec<Descent> =
+                    self.cut(root, ask).iter().map(|o| Descent::from(o.node, s.next_f64())).collect();
+                descend_all(&self.tree, &mut walks, |children| self.odds(ask, children));
+                let values = self.tree.given(&walks, ask, s);
+                walks.into_iter().zip(values).map(|(end, value)| Sample { end, value }).collect()
+            }
             CutBy::Error(error) => self.refined(root, error, ask, s),
         };
         ask.note("cut size", samples.len() as f32);
@@ -177,7 +184,8 @@ impl<L: Clustered> DescentLights<L> {
             total -= given(&samples[worst]);
             let right = end.node != cut[worst].node && self.tree.side(children[0], self.tree.place(end.node));
             // Dead at the node itself: nothing in either child can contribute.
-            let taken = self.odds(ask, children).map_or(1.0, |odds| odds[right as usize]);
+            let clusters = children.map(|c| self.tree.cluster(c));
+            let taken = self.odds(ask, clusters).map_or(1.0, |odds| odds[right as usize]);
             let kept = Sample { end: Descent { probability: end.probability / taken, ..end }, value };
             let (keeper, other) = (children[right as usize], children[!right as usize]);
             cut[worst] = self.look(keeper, ask);

@@ -1,7 +1,9 @@
 //! A binary tree of lights.
 
+use crate::descent::Descent;
 use crate::{TreeError, fast, greedy};
-use manylight_framework::{BuildError, Clustered};
+use manylight_framework::{BuildError, Clustered, Contribute};
+use manylight_math::Spectrum;
 use manylight_sampling::{Purpose, Stream};
 
 /// A node: a leaf is one light.
@@ -27,6 +29,7 @@ pub struct LightTree<L: Clustered> {
     /// The place of each light among the leaves; `u32::MAX` for those that are in none.
     places: Vec<u32>,
     groups: Vec<Group>,
+    /// In the order of the leaves, where walks that end nearby find them nearby.
     lights: Vec<L>,
 }
 
@@ -115,12 +118,16 @@ impl<L: Clustered> LightTree<L> {
             groups: Vec::new(),
             lights,
         };
-        let Some(&some) = items.first() else { return Ok(tree) };
+        let Some(&some) = items.first() else {
+            tree.lights.clear();
+            return Ok(tree);
+        };
         let cluster = tree.lights[some as usize].cluster();
         tree.nodes = vec![Node { cluster, child: 0, first: 0, representative: 0 }; 2 * items.len() - 1];
         let key = |i: u32| growth.key(&tree.lights[i as usize]);
         let sizes: Vec<usize> = items.chunk_by(|a, b| key(*a) == key(*b)).map(|g| g.len()).collect();
         tree.grow_groups(&mut items, &sizes, growth);
+        tree.lights = items.iter().map(|&i| tree.lights[i as usize]).collect();
         tree.lights_of_leaves = items;
         for (place, &light) in tree.lights_of_leaves.iter().enumerate() {
             tree.places[light as usize] = place as u32;
@@ -222,11 +229,22 @@ impl<L: Clustered> LightTree<L> {
     }
     /// Which light a leaf is, by its place among those that were given.
     pub fn light_of(&self, leaf: u32) -> usize {
-        self.lights_of_leaves[self.nodes[leaf as usize].first as usize] as usize
+        self.lights_of_leaves[self.place(leaf) as usize] as usize
     }
     /// The light of a leaf.
     pub fn light(&self, leaf: u32) -> &L {
-        &self.lights[self.light_of(leaf)]
+        &self.lights[self.place(leaf) as usize]
+    }
+    /// What the lights give at which walks ended, in their order; black in dead branches. Lights are gathered first, for the same
+    /// reason as in `descend_all`, and then asked together.
+    pub(crate) fn given<Q: Contribute<L>>(&self, ends: &[Descent], ask: &mut Q, s: &mut Stream) -> Vec<Spectrum> {
+        let alive = || ends.iter().filter(|end| !end.dead);
+        let lights: Vec<L> = alive().map(|end| *self.light(end.node)).collect();
+        let mut values = vec![Spectrum::BLACK; lights.len()];
+        ask.contributions(&lights, &mut values, s);
+        let mut values = values.into_iter();
+        let value = |end: &Descent| if end.dead { None } else { values.next() };
+        ends.iter().map(value).map(Option::unwrap_or_default).collect()
     }
     /// The child of an inner node in which a light lies that lies in that node. Lights are told by their places among the leaves.
     pub(crate) fn side(&self, child: u32, place: u32) -> bool {
@@ -240,7 +258,7 @@ impl<L: Clustered> LightTree<L> {
     pub(crate) fn place_of(&self, light: usize) -> Option<u32> {
         self.places.get(light).copied().filter(|p| *p != u32::MAX)
     }
-    /// The lights.
+    /// The lights that weigh anything, by their places among the leaves, from left to right.
     pub fn lights(&self) -> &[L] {
         &self.lights
     }

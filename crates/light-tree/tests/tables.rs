@@ -21,7 +21,7 @@ fn moments(set: &DescentLights<Lamp>, node: u32, p: f64, at: &At) -> (f64, f64) 
             (f * f / p, f)
         }
         Some(children) => {
-            let Some(odds) = set.odds(at, children) else { return (0.0, 0.0) };
+            let Some(odds) = set.odds(at, children.map(|c| set.tree().cluster(c))) else { return (0.0, 0.0) };
             let mut sum = (0.0, 0.0);
             for (child, q) in children.into_iter().zip(odds).filter(|c| c.1 > 0.0) {
                 let m = moments(set, child, p * q, at);
