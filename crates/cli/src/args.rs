@@ -1,8 +1,10 @@
 //! The command line, as data.
 
+use crate::compare::spec::{self, Foreign, Methods};
 use crate::output::did_you_mean;
 use clap::{Args, Parser, Subcommand};
 use manylight_render::files::Exposure;
+use manylight_report::Cost;
 use manylight_scene::Filter;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -27,6 +29,8 @@ pub enum Command {
     Lights(Lights),
     /// Says how far two images are apart
     Diff(Diff),
+    /// Renders a scene by several methods in turns, and says which has the least error in the time there is
+    Compare(Compare),
     /// Says which virtual lights made a pixel, what the bound took, and what compensation gave
     Explain(Explain),
     /// Lists the methods, or describes one with its parameters
@@ -132,6 +136,63 @@ pub struct Diff {
     pub fail_above: Option<f64>,
 }
 
+/// Renders a scene by several methods in turns, and says which has the least error in the time there is.
+///
+/// Writes a directory: index.html (one page that needs no network), rows.csv (an image a line), study.json (with the summary and
+/// what the columns mean), plots as SVG, and the images of the first run. An error is measured against a reference, without that
+/// reference's own noise where its standard error is known (layer `stderr`, or NAME.stderr.exr beside it).
+#[derive(Debug, Args)]
+pub struct Compare {
+    /// Scene file (Mitsuba 3 XML)
+    #[arg(value_name = "SCENE.xml")]
+    pub scene: PathBuf,
+    /// Methods with their parameters: path,vsl:paths=64,bound=none (may be repeated)
+    #[arg(short, long, value_name = "LIST", required = true, value_parser = spec::methods)]
+    pub methods: Vec<Methods>,
+    /// Directory to write
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Times to compare at, such as 1s,4s,16s; two passes always finish [default: 1s,2s,4s]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = spec::time, conflicts_with = "passes")]
+    pub times: Vec<Cost>,
+    /// Numbers of passes to compare at, instead of times
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = spec::passes)]
+    pub passes: Vec<Cost>,
+    /// Independent runs, which intervals and tests are made of
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub runs: u32,
+    /// Reference image [default: reference.exr beside the scene]; its size is rendered
+    #[arg(long, value_name = "REF.exr")]
+    pub reference: Option<PathBuf>,
+    /// An image from elsewhere, with what it took (may be repeated)
+    #[arg(long = "image", value_name = "NAME=FILE.exr@SECONDS", value_parser = spec::foreign)]
+    pub images: Vec<Foreign>,
+    /// Method that the others' speed is measured by [default: the first]
+    #[arg(long, value_name = "METHOD")]
+    pub baseline: Option<String>,
+    /// Fills in $name in the scene file (may be repeated)
+    #[arg(short = 'D', value_name = "name=value", value_parser = key_value)]
+    pub defines: Vec<(String, String)>,
+    /// Seed of the first run; the next has the next
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Threads [default: one for each core]
+    #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Size of the image in pixels, which has to be the reference's
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// Pixel filter, instead of the scene's own
+    #[arg(long, value_name = "NAME", value_parser = filter)]
+    pub filter: Option<Filter>,
+    /// Exposure of FLIP, and of the page to begin with; auto finds one that fits the reference
+    #[arg(long, value_name = "EV|auto", default_value = "auto", allow_hyphen_values = true, value_parser = exposure)]
+    pub exposure: Exposure,
+    /// Prints warnings and errors only
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
 /// Says which virtual lights made a pixel of a pass: for splotches, fireflies and dark corners.
 #[derive(Debug, Args)]
 pub struct Explain {
@@ -218,7 +279,7 @@ fn key_value(s: &str) -> Result<(String, String), String> {
 }
 
 /// `30s`, `5m`, `1.5h`, `250ms`; a number alone is refused, since nobody knows of what.
-fn duration(s: &str) -> Result<Duration, String> {
+pub fn duration(s: &str) -> Result<Duration, String> {
     let expected = || "expected a number and a unit, such as 30s, 5m or 1.5h".to_string();
     let digits = s.find(|c: char| c.is_ascii_alphabetic()).ok_or_else(expected)?;
     let (number, unit) = s.split_at(digits);

@@ -1,6 +1,7 @@
 //! The program `manylight`.
 
 mod args;
+mod compare;
 mod diff;
 mod explain;
 mod failure;
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Lights(args) => lights::run(&args),
         Command::Diff(args) => diff::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::List(args) => list::run(&args),
         Command::Scene(args) => scene::run(&args),

@@ -34,5 +34,5 @@ pub use budget::Budget;
 pub use error::RenderError;
 pub use explain::{Explained, explain};
 pub use memory::peak_memory;
-pub use run::{Observer, Progress, Rendering, Settings, render};
+pub use run::{Observer, Progress, Rendering, Session, Settings, render};
 pub use stats::{NonFinite, Rays, SampleAt, Seconds, Stats, Subject};

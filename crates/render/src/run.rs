@@ -82,45 +82,95 @@ pub fn render(
     observer: &mut dyn Observer,
     cancel: &Arc<AtomicBool>,
 ) -> Result<Rendering, RenderError> {
-    let start = Instant::now();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads.unwrap_or(0)).build()?;
-    let (camera, filter) = (*scene.camera(), FilterSampler::new(scene.filter()));
-    let mut mean = Accumulator::new(camera.size.0 as usize, camera.size.1 as usize);
-    let mut done = Rendering::nothing(&mean);
-    loop {
+    let mut session = Session::new(scene, method, settings)?;
+    while let Some(_pass) = session.step(observer, cancel)? {
+        if settings.budget.is_spent(session.passes(), session.elapsed()) {
+            break;
+        }
+    }
+    Ok(session.rendering())
+}
+
+/// A rendering that goes on pass by pass, so that several can take turns: what disturbs the machine then disturbs all alike.
+pub struct Session<'s> {
+    scene: &'s Scene,
+    method: &'s dyn Method,
+    settings: Settings,
+    filter: FilterSampler,
+    pool: rayon::ThreadPool,
+    mean: Accumulator,
+    done: Rendering,
+}
+
+impl<'s> Session<'s> {
+    /// Nothing rendered yet. The settings' budget is for whoever steps.
+    pub fn new(scene: &'s Scene, method: &'s dyn Method, settings: &Settings) -> Result<Self, RenderError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads.unwrap_or(0)).build()?;
+        let (width, height) = scene.camera().size;
+        let mean = Accumulator::new(width as usize, height as usize);
+        let (filter, done) = (FilterSampler::new(scene.filter()), Rendering::nothing(&mean));
+        Ok(Session { scene, method, settings: settings.clone(), filter, pool, mean, done })
+    }
+    /// Complete passes.
+    pub fn passes(&self) -> u64 {
+        self.mean.passes()
+    }
+    /// The time of all steps that gave a pass: what passes between the steps does not count.
+    pub fn elapsed(&self) -> Duration {
+        self.done.elapsed
+    }
+    /// All passes so far.
+    pub fn rendering(&self) -> Rendering {
+        match self.mean.passes() {
+            0 => self.done.clone(),
+            passes => Rendering {
+                image: self.mean.mean(),
+                standard_error: self.mean.standard_error(),
+                estimated_error: self.mean.estimated_error(),
+                passes,
+                ..self.done.clone()
+            },
+        }
+    }
+    /// Renders the next pass and returns it. `None`: it was cut short, and nothing more is to be rendered.
+    pub fn step(
+        &mut self,
+        observer: &mut dyn Observer,
+        cancel: &Arc<AtomicBool>,
+    ) -> Result<Option<Image>, RenderError> {
         let begin = Instant::now();
         let workers = Workers::new(cancel, observer);
-        let mut film = Film::new(camera, &filter, settings.seed, mean.passes(), settings.spp, &workers);
+        let (camera, seed, spp) = (*self.scene.camera(), self.settings.seed, self.settings.spp);
+        let mut film = Film::new(camera, &self.filter, seed, self.mean.passes(), spp, &workers);
         let mut counts = Probe::default();
         counts.cancel = Some(cancel.clone());
-        let outcome = pool.install(|| method.pass(scene, &mut film, &mut counts));
+        let outcome = self.pool.install(|| self.method.pass(self.scene, &mut film, &mut counts));
         let pass = film.image;
         // Cut short while the image was filled, or before that, while light paths were walked.
         let early = matches!(outcome, Err(PassError::Generate(GenerateError::Cancelled)));
-        done.interrupted = early || workers.cut_short();
-        if done.interrupted && mean.passes() > 0 {
-            return Ok(done.with_mean(&mean));
+        self.done.interrupted = early || workers.cut_short();
+        if self.done.interrupted && self.mean.passes() > 0 {
+            return Ok(None);
         }
         if early {
             return Err(RenderError::Interrupted);
         }
-        done.preparing += workers.first_run().unwrap_or_else(Instant::now).saturating_duration_since(begin);
-        done.probe.merge(&counts);
-        if done.interrupted {
-            return Ok(Rendering { image: pass, elapsed: start.elapsed(), ..done });
+        self.done.preparing += workers.first_run().unwrap_or_else(Instant::now).saturating_duration_since(begin);
+        self.done.probe.merge(&counts);
+        if self.done.interrupted {
+            (self.done.image, self.done.elapsed) = (pass, begin.elapsed());
+            return Ok(None);
         }
         outcome.map_err(RenderError::Pass)?;
-        mean.add(&pass)?;
-        done.elapsed = start.elapsed();
+        self.mean.add(&pass)?;
+        self.done.elapsed += begin.elapsed();
         observer.after_pass(&Progress {
-            passes: mean.passes(),
-            elapsed: done.elapsed,
-            estimated_error: mean.estimated_error(),
-            rays: done.probe.rays(),
+            passes: self.mean.passes(),
+            elapsed: self.done.elapsed,
+            estimated_error: self.mean.estimated_error(),
+            rays: self.done.probe.rays(),
         });
-        if settings.budget.is_spent(mean.passes(), done.elapsed) {
-            return Ok(done.with_mean(&mean));
-        }
+        Ok(Some(pass))
     }
 }
 
@@ -135,15 +185,6 @@ impl Rendering {
             elapsed: Duration::ZERO,
             preparing: Duration::ZERO,
             probe: Probe::default(),
-        }
-    }
-    fn with_mean(self, mean: &Accumulator) -> Self {
-        Rendering {
-            image: mean.mean(),
-            standard_error: mean.standard_error(),
-            estimated_error: mean.estimated_error(),
-            passes: mean.passes(),
-            ..self
         }
     }
 }

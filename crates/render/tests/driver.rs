@@ -3,7 +3,8 @@
 use manylight_framework::{Claim, Film, Image, Method, PassError, Probe, Promise};
 use manylight_math::{DAffine3, Spectrum};
 use manylight_render::{
-    Accumulator, Budget, Observer, Progress, RenderError, Rendering, SampleAt, Settings, Stats, Subject, render,
+    Accumulator, Budget, Observer, Progress, RenderError, Rendering, SampleAt, Session, Settings, Stats, Subject,
+    render,
 };
 use manylight_scene::{Camera, Scene};
 use std::sync::Arc;
@@ -337,4 +338,24 @@ fn one_pass_has_neither_error_nor_null_in_its_statistics() {
     let stats = Stats::new(&subject(), &settings, &run(&Noise, &settings));
     let json = serde_json::to_string(&stats).unwrap();
     assert!(!json.contains("estimated_error") && !json.contains("null"), "{json}");
+}
+
+#[test]
+fn sessions_that_take_turns_are_renderings_on_their_own_and_count_their_own_time_alone() {
+    let (scene, settings) = (scene(), settings(Budget::Passes(5)));
+    let slow = Toy(|film: &mut Film, probe: &mut Probe| {
+        std::thread::sleep(Duration::from_millis(20));
+        Noise.pass(&self::scene(), film, probe)
+    });
+    let mut turns = [&Noise as &dyn Method, &slow].map(|m| Session::new(&scene, m, &settings).unwrap());
+    for _ in 0..5 {
+        for session in &mut turns {
+            assert!(session.step(&mut |_: &Progress| (), &Arc::default()).unwrap().is_some());
+        }
+    }
+    let [quick, slow] = turns.map(|s| s.rendering());
+    let alone = run(&Noise, &settings);
+    assert_eq!((hash(&quick.image), quick.probe.rays(), quick.passes), (hash(&alone.image), alone.probe.rays(), 5));
+    assert_eq!(quick.estimated_error, alone.estimated_error);
+    assert!(slow.elapsed >= Duration::from_millis(100) && quick.elapsed < slow.elapsed, "{:?}", quick.elapsed);
 }

@@ -45,6 +45,9 @@ pub enum ReportError {
         /// Blocks down.
         rows: usize,
     },
+    /// Drawing failed.
+    #[error("the plot cannot be drawn: {0}")]
+    Plot(String),
     /// Writing JSON failed.
     #[error("the report cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),

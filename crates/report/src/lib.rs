@@ -1,7 +1,8 @@
 //! How far an image is from a reference.
 //!
 //! The main figure is relMSE = mean (I - R)^2 / (R^2 + eps) with eps = 0.01 (mean R)^2, beside it those that show what it
-//! hides: the 99.9th percentile, the worst pixels, and every pixel that is not finite.
+//! hides: the 99.9th percentile, the worst pixels, and every pixel that is not finite. A [`Study`] is methods x budgets x runs of such
+//! errors: intervals over runs, slopes, efficiencies, as CSV, JSON, SVG and one HTML page.
 //!
 //! ```
 //! use manylight_math::Spectrum;
@@ -18,6 +19,9 @@ mod difference;
 mod error;
 mod flip;
 mod halves;
+mod page;
+mod plot;
+mod study;
 mod view;
 
 pub use blocks::{Block, block_means};
@@ -26,4 +30,7 @@ pub use difference::{Difference, ImageSummary, WorstPixel};
 pub use error::ReportError;
 pub use flip::Flip;
 pub use halves::{HalvesError, compare_halves};
+pub use page::Picture;
+pub use plot::Axis;
+pub use study::{COLUMNS, Column, Cost, Duel, Estimate, Noise, Row, Study, Subject, Summary, Verdict, separate};
 pub use view::ImageView;
