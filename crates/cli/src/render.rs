@@ -129,6 +129,7 @@ impl Target {
         let picture = Picture {
             image: rendering.image.clone(),
             standard_error: rendering.standard_error.clone(),
+            maps: rendering.maps.clone(),
             attributes: stats.attributes(),
         };
         files::write_exr(&self.exr, &picture)?;

@@ -70,6 +70,8 @@ pub struct Film<'s> {
     pub pass: u64,
     /// Camera samples a pixel.
     pub spp: u32,
+    /// Means, for each pixel, of the values noted on the way ([`Probe::note`]), by name; zero where there were none.
+    pub maps: Vec<(&'static str, Vec<f32>)>,
     /// The pixel that is to be explained ([`Probe::explain`]), if any.
     pub explained: Option<usize>,
     filter: &'s FilterSampler,
@@ -87,7 +89,7 @@ impl<'s> Film<'s> {
         scheduler: &'s dyn Scheduler,
     ) -> Self {
         let image = Image::new(camera.size.0 as usize, camera.size.1 as usize);
-        Film { image, camera, seed, pass, spp: spp.max(1), explained: None, filter, scheduler }
+        Film { image, camera, seed, pass, spp: spp.max(1), maps: Vec::new(), explained: None, filter, scheduler }
     }
     /// Runs tasks, see `Scheduler`.
     pub fn scheduler(&self) -> &'s dyn Scheduler {
@@ -122,17 +124,28 @@ impl<'s> Film<'s> {
                 .map(|pixel| {
                     let alone = this.explained.is_none_or(|e| e == pixel);
                     let explanation = probe.explain.take_if(|_| !alone);
-                    let value = this.pixel(pixel, &mut probe, radiance);
+                    let (value, notes) = probe.noted(|probe| this.pixel(pixel, probe, radiance));
                     probe.explain = if alone { probe.explain.take() } else { explanation };
-                    (pixel, value)
+                    (pixel, value, notes)
                 })
                 .collect();
             (pixels, probe)
         });
         for (pixels, tile) in results.into_iter().flatten() {
-            pixels.into_iter().for_each(|(i, v)| self.image.pixels[i] = v);
+            for (i, value, notes) in pixels {
+                self.image.pixels[i] = value;
+                notes.means().for_each(|(name, mean)| self.map(name)[i] = mean);
+            }
             probe.merge(&tile);
         }
+    }
+    fn map(&mut self, name: &'static str) -> &mut [f32] {
+        let known = self.maps.iter().position(|m| m.0 == name);
+        let at = known.unwrap_or_else(|| {
+            self.maps.push((name, vec![0.0; self.image.pixels.len()]));
+            self.maps.len() - 1
+        });
+        &mut self.maps[at].1
     }
     fn pixel(
         &self,

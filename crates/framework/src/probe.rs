@@ -25,12 +25,33 @@ pub struct Probe {
     pub evaluations: u64,
     /// Samples that were NaN, infinite or negative: left out of the image (as black) and reported.
     pub non_finite: NonFinite,
-    /// Sums and counts of named values.
-    aovs: Vec<(&'static str, f64, u64)>,
+    notes: Noted,
     /// Set when the user asks to stop: whatever takes long looks at it.
     pub cancel: Option<Arc<AtomicBool>>,
     /// What made one sample, where that is asked for.
     pub explain: Option<Explanation>,
+}
+
+/// Sums and counts of named values.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Noted(Vec<(&'static str, f64, u64)>);
+
+impl Noted {
+    fn add(&mut self, name: &'static str, sum: f64, count: u64) {
+        match self.0.iter_mut().find(|a| a.0 == name) {
+            Some(a) => {
+                a.1 += sum;
+                a.2 += count;
+            }
+            None => self.0.push((name, sum, count)),
+        }
+    }
+    fn merge(&mut self, o: &Noted) {
+        o.0.iter().for_each(|&(name, sum, count)| self.add(name, sum, count));
+    }
+    pub fn means(&self) -> impl Iterator<Item = (&'static str, f32)> {
+        self.0.iter().map(|a| (a.0, (a.1 / a.2 as f64) as f32))
+    }
 }
 
 /// Samples that were not fit for an image.
@@ -92,15 +113,23 @@ impl Probe {
     }
     /// Notes a named value.
     pub fn note(&mut self, aov: &'static str, value: f32) {
-        self.add(aov, value as f64, 1);
+        self.notes.add(aov, value as f64, 1);
+    }
+    /// What `work` notes, which is counted here too.
+    pub(crate) fn noted<T>(&mut self, work: impl FnOnce(&mut Probe) -> T) -> (T, Noted) {
+        let before = std::mem::take(&mut self.notes);
+        let value = work(self);
+        let notes = std::mem::replace(&mut self.notes, before);
+        self.notes.merge(&notes);
+        (value, notes)
     }
     /// Mean of the values noted under a name.
     pub fn mean(&self, aov: &str) -> Option<f64> {
-        self.aovs.iter().find(|a| a.0 == aov).map(|a| a.1 / a.2 as f64)
+        self.notes.0.iter().find(|a| a.0 == aov).map(|a| a.1 / a.2 as f64)
     }
     /// Names under which values were noted.
     pub fn names(&self) -> impl Iterator<Item = &'static str> + '_ {
-        self.aovs.iter().map(|a| a.0)
+        self.notes.0.iter().map(|a| a.0)
     }
     /// All rays.
     pub fn rays(&self) -> u64 {
@@ -116,22 +145,11 @@ impl Probe {
         self.lights += o.lights;
         self.evaluations += o.evaluations;
         self.non_finite.merge(&o.non_finite);
-        for &(name, sum, count) in &o.aovs {
-            self.add(name, sum, count);
-        }
+        self.notes.merge(&o.notes);
         if let Some(more) = &o.explain {
             let all = self.explain.get_or_insert_default();
             all.lights.extend(&more.lights);
             all.residuals.extend(&more.residuals);
-        }
-    }
-    fn add(&mut self, name: &'static str, sum: f64, count: u64) {
-        match self.aovs.iter_mut().find(|a| a.0 == name) {
-            Some(a) => {
-                a.1 += sum;
-                a.2 += count;
-            }
-            None => self.aovs.push((name, sum, count)),
         }
     }
 }

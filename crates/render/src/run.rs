@@ -68,6 +68,8 @@ pub struct Rendering {
     pub preparing: Duration,
     /// Rays, lights and rare events of the passes in the image.
     pub probe: Probe,
+    /// For each pixel, means over the complete passes of what the method noted there, such as the size of a cut; by name.
+    pub maps: Vec<(String, Vec<f32>)>,
 }
 
 /// Renders passes 0, 1, 2 .. of `method` until the budget is spent or `cancel` is set. The image depends on the scene, the
@@ -99,6 +101,8 @@ pub struct Session<'s> {
     filter: FilterSampler,
     pool: rayon::ThreadPool,
     mean: Accumulator,
+    /// Sums over passes.
+    maps: Vec<(&'static str, Vec<f64>)>,
     done: Rendering,
 }
 
@@ -109,7 +113,7 @@ impl<'s> Session<'s> {
         let (width, height) = scene.camera().size;
         let mean = Accumulator::new(width as usize, height as usize);
         let (filter, done) = (FilterSampler::new(scene.filter()), Rendering::nothing(&mean));
-        Ok(Session { scene, method, settings: settings.clone(), filter, pool, mean, done })
+        Ok(Session { scene, method, settings: settings.clone(), filter, pool, mean, maps: Vec::new(), done })
     }
     /// Complete passes.
     pub fn passes(&self) -> u64 {
@@ -128,6 +132,7 @@ impl<'s> Session<'s> {
                 standard_error: self.mean.standard_error(),
                 estimated_error: self.mean.estimated_error(),
                 passes,
+                maps: self.maps.iter().map(|(name, sums)| (name.to_string(), mean_of(sums, passes))).collect(),
                 ..self.done.clone()
             },
         }
@@ -145,7 +150,7 @@ impl<'s> Session<'s> {
         let mut counts = Probe::default();
         counts.cancel = Some(cancel.clone());
         let outcome = self.pool.install(|| self.method.pass(self.scene, &mut film, &mut counts));
-        let pass = film.image;
+        let (pass, maps) = (film.image, film.maps);
         // Cut short while the image was filled, or before that, while light paths were walked.
         let early = matches!(outcome, Err(PassError::Generate(GenerateError::Cancelled)));
         self.done.interrupted = early || workers.cut_short();
@@ -163,6 +168,14 @@ impl<'s> Session<'s> {
         }
         outcome.map_err(RenderError::Pass)?;
         self.mean.add(&pass)?;
+        for (name, values) in maps {
+            let known = self.maps.iter().position(|m| m.0 == name);
+            let at = known.unwrap_or_else(|| {
+                self.maps.push((name, vec![0.0; values.len()]));
+                self.maps.len() - 1
+            });
+            self.maps[at].1.iter_mut().zip(values).for_each(|(sum, v)| *sum += f64::from(v));
+        }
         self.done.elapsed += begin.elapsed();
         observer.after_pass(&Progress {
             passes: self.mean.passes(),
@@ -172,6 +185,10 @@ impl<'s> Session<'s> {
         });
         Ok(Some(pass))
     }
+}
+
+fn mean_of(sums: &[f64], passes: u64) -> Vec<f32> {
+    sums.iter().map(|sum| (sum / passes as f64) as f32).collect()
 }
 
 impl Rendering {
@@ -185,6 +202,7 @@ impl Rendering {
             elapsed: Duration::ZERO,
             preparing: Duration::ZERO,
             probe: Probe::default(),
+            maps: Vec::new(),
         }
     }
 }

@@ -118,6 +118,35 @@ fn the_image_is_the_mean_of_the_passes_and_each_pass_is_fresh() {
     assert_eq!(rendering.standard_error, mean.standard_error());
 }
 #[test]
+fn what_a_method_notes_becomes_a_map_of_means() {
+    // Half the samples note the ray's direction; the left column nothing.
+    let note = Toy(|film: &mut Film, probe: &mut Probe| {
+        let pass = film.pass as f32;
+        film.fill(probe, &|ray, probe, s| {
+            if ray.dir.x < 0.0 {
+                probe.note("east", 1.0 + pass);
+                probe.note("where", s.next_f32());
+            }
+            Spectrum::BLACK
+        });
+        Ok(())
+    });
+    let with = |threads| run(&note, &Settings { threads: Some(threads), ..settings(Budget::Passes(3)) });
+    let (one, seven) = (with(1), with(7));
+    assert_eq!(one.maps, seven.maps);
+    let names: Vec<&str> = one.maps.iter().map(|m| m.0.as_str()).collect();
+    assert_eq!(names, ["east", "where"]);
+    let (width, east) = (SIZE.0 as usize, &one.maps[0].1);
+    let half = |first: bool| {
+        east.iter().enumerate().filter(move |(i, _)| (i % width < 18) == first && !(18..22).contains(&(i % width)))
+    };
+    let (a, b) = (half(true).map(|v| *v.1).collect::<Vec<_>>(), half(false).map(|v| *v.1).collect::<Vec<_>>());
+    let (noted, silent) = if a[0] > 0.0 { (a, b) } else { (b, a) };
+    assert!(noted.iter().all(|v| *v == 2.0) && silent.iter().all(|v| *v == 0.0));
+    assert_eq!(one.probe.mean("east"), Some(2.0));
+    assert!(run(&Noise, &settings(Budget::Passes(1))).maps.is_empty());
+}
+#[test]
 fn one_hash_for_1_2_and_7_threads() {
     let with = |threads| run(&Noise, &Settings { threads: Some(threads), ..settings(Budget::Passes(3)) });
     let [one, two, seven] = [1, 2, 7].map(with);

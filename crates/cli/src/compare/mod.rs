@@ -250,6 +250,7 @@ impl Directory {
         let picture = files::Picture {
             image: rendering.image.clone(),
             standard_error: rendering.standard_error.clone(),
+            maps: rendering.maps.clone(),
             attributes: Default::default(),
         };
         Ok(files::write_exr(&self.at(name), &picture)?)

@@ -28,6 +28,8 @@ pub struct Picture {
     pub image: Image,
     /// Standard error of the mean over passes: channels stderr.R, stderr.G, stderr.B. Absent where there was one pass.
     pub standard_error: Option<Image>,
+    /// Other values of each pixel, each a channel of its name: `cut size`, say.
+    pub maps: Vec<(String, Vec<f32>)>,
     /// Header attributes by name.
     pub attributes: BTreeMap<String, Attribute>,
 }
@@ -43,7 +45,7 @@ pub enum Attribute {
 
 impl From<Image> for Picture {
     fn from(image: Image) -> Self {
-        Picture { image, standard_error: None, attributes: BTreeMap::new() }
+        Picture { image, standard_error: None, maps: Vec::new(), attributes: BTreeMap::new() }
     }
 }
 
@@ -67,6 +69,9 @@ fn encode(picture: &Picture) -> ::exr::error::Result<Vec<u8>> {
     let mut channels = channels_of("", &picture.image);
     if let Some(error) = &picture.standard_error {
         channels.extend(channels_of(STANDARD_ERROR, error));
+    }
+    for (name, values) in &picture.maps {
+        channels.push(AnyChannel::new(text(name), FlatSamples::F32(values.clone())));
     }
     let mut attributes = LayerAttributes::default();
     attributes.other.extend(picture.attributes.iter().map(|(name, value)| (text(name), value.into())));
@@ -103,6 +108,7 @@ fn decode(file: impl Read + Seek) -> Result<Picture, String> {
         return Ok(Picture {
             image: pixels,
             standard_error: colours(layer, STANDARD_ERROR),
+            maps: maps(layer),
             attributes: others.filter_map(|(name, value)| Some((string(name), known(value)?))).collect(),
         });
     }
@@ -143,6 +149,13 @@ fn colours(layer: &AnyLayer, prefix: &str) -> Option<Image> {
     let (r, g, b) = (r?, g?, b?);
     let pixels = r.iter().zip(&g).zip(&b).map(|((&r, &g), &b)| Spectrum::rgb(r, g, b)).collect();
     Some(image(layer, pixels))
+}
+
+/// All channels that are no part of a colour.
+fn maps(layer: &AnyLayer) -> Vec<(String, Vec<f32>)> {
+    let named = layer.channel_data.list.iter().map(|c| (string(&c.name), c));
+    let colour = |name: &str| ["R", "G", "B", "A", "Y"].contains(&name.rsplit('.').next().unwrap_or(name));
+    named.filter(|(name, _)| !colour(name)).map(|(name, c)| (name, c.sample_data.values_as_f32().collect())).collect()
 }
 
 fn luminance(layer: &AnyLayer) -> Option<Image> {

@@ -17,6 +17,7 @@ fn example() -> Picture {
     Picture {
         image: noise(37, 21, 1),
         standard_error: Some(noise(37, 21, 2)),
+        maps: vec![("cut size".into(), noise(37, 21, 3).pixels.iter().map(|p| p.luminance()).collect())],
         attributes: attributes.map(|(name, value)| (name.to_string(), value)).into(),
     }
 }
@@ -38,7 +39,7 @@ fn a_picture_comes_back_bit_for_bit_with_its_errors_and_attributes() {
 }
 #[test]
 fn without_standard_error_there_are_three_channels() {
-    let plain = Picture { standard_error: None, ..example() };
+    let plain = Picture { standard_error: None, maps: vec![], ..example() };
     let back = decode(Cursor::new(encode(&plain).unwrap())).unwrap();
     assert_eq!(back.standard_error, None);
     assert_eq!(back, plain);
@@ -101,7 +102,7 @@ fn announcing(width: i32, height: i32) -> Vec<u8> {
 fn a_header_that_announces_a_huge_image_is_refused_before_memory_is_asked_for() {
     // A height that contradicts the number of chunks is found out by the library, a width is not.
     let reason = decode(Cursor::new(announcing(1_000_000_000, 21))).unwrap_err();
-    assert!(reason.contains("126000000000 samples") && reason.contains("limit"), "{reason}");
+    assert!(reason.contains("147000000000 samples") && reason.contains("limit"), "{reason}");
     for (width, height) in [(30_000, 30_000), (i32::MAX, 21), (37, i32::MAX), (1 << 30, 1 << 30), (1_000_000, 21)] {
         assert!(decode(Cursor::new(announcing(width, height))).is_err(), "{width} x {height}");
     }
@@ -110,11 +111,11 @@ fn a_header_that_announces_a_huge_image_is_refused_before_memory_is_asked_for() 
 fn the_limit_counts_all_parts_and_channels() {
     let chunks = block::read(Cursor::new(encode(&example()).unwrap()), false).unwrap();
     let mut headers = chunks.headers().to_vec();
-    headers[0].layer_size = ::exr::math::Vec2(1 << 14, 1 << 11); // 2^25 pixels, 6 channels
+    headers[0].layer_size = ::exr::math::Vec2(1 << 14, 1 << 11); // 2^25 pixels, 7 channels
     assert!(check(&headers).is_ok());
     headers.push(headers[0].clone());
     let reason = check(&headers).unwrap_err();
-    assert!(reason.contains(&(12u64 << 25).to_string()) && reason.contains("limit"), "{reason}");
+    assert!(reason.contains(&(14u64 << 25).to_string()) && reason.contains("limit"), "{reason}");
 }
 #[test]
 fn a_truncated_file_is_an_error_wherever_it_ends() {
