@@ -1,7 +1,7 @@
 //! The interface: one value that is any of the models.
 
 use crate::cone::Cone;
-use crate::{Conductor, Dielectric, Diffuse, Plastic, RoughConductor, RoughPlastic};
+use crate::{Conductor, Dielectric, Diffuse, Plastic, RoughConductor, RoughDielectric, RoughPlastic, ThinDielectric};
 use manylight_math::{Spectrum, Vec2, Vec3};
 
 /// What the path carries. Refraction squeezes radiance into another solid angle, and importance not: the two differ by
@@ -81,7 +81,7 @@ pub(crate) trait Model {
 
 /// How a point of a surface scatters: a model with its textures resolved.
 ///
-/// All models but the dielectric are one-sided: they scatter for `wi.z > 0` only.
+/// All models but the dielectrics are one-sided: they scatter for `wi.z > 0` only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
     /// Scatters nothing.
@@ -98,6 +98,10 @@ pub enum Bsdf {
     Plastic(Plastic),
     /// A diffuse base under a rough coat.
     RoughPlastic(RoughPlastic),
+    /// A sheet of glass: delta, and on both sides.
+    ThinDielectric(ThinDielectric),
+    /// A rough interface between transparent media, on both sides.
+    RoughDielectric(RoughDielectric),
 }
 
 macro_rules! from_models {
@@ -109,7 +113,7 @@ macro_rules! from_models {
         })*
     };
 }
-from_models!(Diffuse, Conductor, RoughConductor, Dielectric, Plastic, RoughPlastic);
+from_models!(Diffuse, Conductor, RoughConductor, Dielectric, Plastic, RoughPlastic, ThinDielectric, RoughDielectric);
 
 // One is kept in every virtual light.
 const _: () = assert!(size_of::<Bsdf>() <= 64);
@@ -125,14 +129,21 @@ macro_rules! ask {
             Bsdf::Dielectric($model) => $answer,
             Bsdf::Plastic($model) => $answer,
             Bsdf::RoughPlastic($model) => $answer,
+            Bsdf::ThinDielectric($model) => $answer,
+            Bsdf::RoughDielectric($model) => $answer,
         }
     };
 }
 
 impl Bsdf {
-    /// f(wi, wo) of the non-delta lobes, without a cosine; black on the wrong side. [1/sr]
+    /// f(wi, wo) of the non-delta lobes, without a cosine; black on the wrong side. Of importance: where it is refracted,
+    /// radiance is `radiance_factor` of it. [1/sr]
     pub fn eval(&self, wi: Vec3, wo: Vec3) -> Spectrum {
         ask!(self, Spectrum::BLACK, m => m.eval(wi, wo))
+    }
+    /// What radiance scatters over what importance does: (eta_i / eta_t)^2 where it is refracted, else 1.
+    pub fn radiance_factor(&self, wi: Vec3, wo: Vec3) -> f32 {
+        if let Bsdf::RoughDielectric(m) = self { m.radiance_factor(wi, wo) } else { 1.0 }
     }
     /// Density with which [`Bsdf::sample`] draws `wo` from the non-delta lobes, the probability of choosing them included. [1/sr]
     pub fn pdf_sa(&self, wi: Vec3, wo: Vec3) -> f32 {
@@ -147,6 +158,10 @@ impl Bsdf {
     pub fn has_smooth(&self) -> bool {
         ask!(self, false, m => is_smooth(m))
     }
+    /// It scatters for `wi.z` > 0 only, and to `wo.z` > 0.
+    pub fn is_one_sided(&self) -> bool {
+        !matches!(self, Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::RoughDielectric(_))
+    }
     /// There are delta lobes, that only [`Bsdf::sample`] finds.
     pub fn has_delta(&self) -> bool {
         ask!(self, false, m => is_delta(m))
@@ -156,9 +171,12 @@ impl Bsdf {
     pub fn albedo(&self, wi: Vec3) -> Spectrum {
         ask!(self, Spectrum::BLACK, m => m.albedo(wi))
     }
-    /// Bound of the non-delta lobes over all `wo` of the cone around `axis`. A `cos_half` that was computed must have been
+    /// Bound of the non-delta lobes, of radiance and of importance, over all `wo` of the cone around `axis`. A `cos_half` that was computed must have been
     /// rounded down: at exactly 1 the cone is one direction; at -1 it is the sphere.
     pub fn upper_bound(&self, wi: Vec3, axis: Vec3, cos_half: f32) -> Lobe {
+        if let Bsdf::RoughDielectric(m) = self {
+            return m.bound_of_both_sides(wi, axis, cos_half);
+        }
         if !(wi.z > 0.0) {
             return Lobe::NONE;
         }

@@ -57,8 +57,21 @@ impl Microfacets {
         }
     }
 
+    /// Of the density of normals over all normals.
+    pub fn density_supremum(&self) -> f32 {
+        // In terms of T = tan^2 it is at most (1 + T)^2 g(T / alpha_max^2) / (pi alpha_u alpha_v): see above.
+        let alpha2 = self.alpha_u.max(self.alpha_v).powi(2);
+        let largest = match self.distribution {
+            // ((1 + T) / (1 + T / alpha^2))^2: from 1 at T = 0 to alpha^4.
+            Distribution::Ggx => alpha2.powi(2).max(1.0),
+            // (1 + T)^2 e^(-T / alpha^2), at T = 2 alpha^2 - 1 if that is positive.
+            Distribution::Beckmann if alpha2 > 0.5 => (2.0 * alpha2).powi(2) * (1.0 / alpha2 - 2.0).exp(),
+            Distribution::Beckmann => 1.0,
+        };
+        FRAC_1_PI / (self.alpha_u * self.alpha_v) * largest
+    }
     /// Of G1 / cos over all directions.
-    fn masking_over_cos_supremum(&self) -> f32 {
+    pub fn masking_over_cos_supremum(&self) -> f32 {
         let alpha = self.alpha_u.min(self.alpha_v);
         match self.distribution {
             // 2 / (c + sqrt(c^2 (1 - alpha^2) + alpha^2)): the denominator is concave in c, so it is least at an end.

@@ -259,6 +259,24 @@ impl Geometry {
             ShapeGeometry::Disk(d) => disk_surface(d, ray.at(hit.t)),
         }
     }
+    /// Derivatives of the position by u and by v at a hit, whose surface is `x`; zero where texture coordinates say nothing. \[m\]
+    pub fn derivatives(&self, hit: &Hit, x: &Surface) -> (Vec3, Vec3) {
+        match &self.shapes[hit.shape as usize] {
+            ShapeGeometry::Mesh(mesh) if mesh.uvs.is_empty() => (Vec3::ZERO, Vec3::ZERO),
+            ShapeGeometry::Mesh(mesh) => {
+                let [v0, v1, v2] = mesh.corners(hit.triangle as usize);
+                let [t0, t1, t2] = mesh.triangles[hit.triangle as usize].map(|i| mesh.uvs[i as usize]);
+                let (d1, d2) = (t1 - t0, t2 - t0);
+                let det = d1.x * d2.y - d1.y * d2.x;
+                if det == 0.0 {
+                    return (Vec3::ZERO, Vec3::ZERO);
+                }
+                (((v1 - v0) * d2.y - (v2 - v0) * d1.y) / det, ((v2 - v0) * d1.x - (v1 - v0) * d2.x) / det)
+            }
+            ShapeGeometry::Sphere(s) => s.derivatives(x.ns),
+            ShapeGeometry::Disk(d) => d.derivatives(x.p),
+        }
+    }
     /// The surface at given barycentrics (second and third vertex) of a triangle. Panics if the shape is no mesh.
     pub fn surface_on_triangle(&self, shape: u32, triangle: u32, b: Vec2) -> Surface {
         let ShapeGeometry::Mesh(mesh) = &self.shapes[shape as usize] else { panic!("shape {shape} is no mesh") };

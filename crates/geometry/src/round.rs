@@ -66,6 +66,14 @@ impl Sphere {
     pub(crate) fn dpdu(&self, normal: Vec3) -> Vec3 {
         self.frame.n.cross(if self.flipped { -normal } else { normal })
     }
+    /// Of the position by u and v. \[m\]
+    pub(crate) fn derivatives(&self, normal: Vec3) -> (Vec3, Vec3) {
+        let out = if self.flipped { -normal } else { normal };
+        let l = self.frame.to_local(out);
+        let azimuth = l.truncate().normalize_or(Vec2::X);
+        let polar = self.frame.to_world(Vec3::new(azimuth.x * l.z, azimuth.y * l.z, -l.truncate().length()));
+        (self.frame.n.cross(out) * (TAU * self.radius), polar * (PI * self.radius))
+    }
 }
 
 /// A flat disc.
@@ -104,6 +112,11 @@ impl Disk {
         let l = self.frame.to_local(p - self.centre);
         let phi = l.y.atan2(l.x);
         Vec2::new(l.truncate().length() / self.radius, if phi < 0.0 { phi + TAU } else { phi } / TAU)
+    }
+    /// Of the position by u and v. \[m\]
+    pub(crate) fn derivatives(&self, p: Vec3) -> (Vec3, Vec3) {
+        let out = p - self.centre;
+        (out.normalize_or(self.frame.s) * self.radius, self.frame.n.cross(out) * TAU)
     }
 }
 

@@ -35,27 +35,12 @@ fn veach_ajar_loads_at_the_size_that_is_asked_for() {
 }
 
 #[test]
-fn what_the_other_scenes_still_need_is_said_with_its_place() {
-    for (name, expected) in [
-        ("modern-hall", None),
-        ("classroom", None),
-        ("wooden-staircase", Some("the bsdf `bumpmap` is not supported yet")),
-        ("volumetric-caustic", None),
-        ("combustion-plume", None),
-    ] {
+fn the_other_scenes_load() {
+    for name in ["modern-hall", "classroom", "wooden-staircase", "volumetric-caustic", "combustion-plume"] {
         let Some(path) = shared(name) else { continue };
         let start = std::time::Instant::now();
-        let result = load(&path, &LoadOptions::default());
-        println!("{name}: {:.2} s", start.elapsed().as_secs_f64());
-        match (result, expected) {
-            (Ok(loaded), None) => println!("{:#?}", loaded.warnings),
-            (Err(e), Some(expected)) => {
-                assert!(e.0.iter().all(|d| d.line > 0), "{e}");
-                assert!(e.to_string().contains(expected), "{e}");
-            }
-            (Err(e), None) => panic!("{name}: {e}"),
-            (Ok(_), Some(expected)) => panic!("{name} loads, although `{expected}`"),
-        }
+        let loaded = load(&path, &LoadOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        println!("{name}: {:.2} s, {:#?}", start.elapsed().as_secs_f64(), loaded.warnings);
     }
 }
 

@@ -31,6 +31,7 @@ mod environment;
 mod filter;
 mod material;
 mod media;
+mod relief;
 mod scene;
 mod texture;
 mod vertex;
@@ -45,6 +46,7 @@ pub use manylight_media::{
 };
 pub use material::{Material, MaterialId, Model};
 pub use media::{Boundary, Run};
+pub use relief::Relief;
 pub use scene::{Scene, SceneBuilder, SceneError, Shape, ShapeId};
 pub use texture::{Bitmap, Source, Texture, TextureFilter, TextureId, Wrap};
 pub use vertex::{Edge, EmitterPoint, End, MediumPoint, Scatter, Sides, Span, SurfacePoint, Vertex, VertexSample};

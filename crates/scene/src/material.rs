@@ -1,10 +1,13 @@
 //! What surfaces are made of, before texture coordinates are known.
 
+use crate::relief::{Relief, Seen};
 use crate::{Source, Texture, TextureId};
 use manylight_bsdf::{
-    Bsdf, Conductor, Dielectric, Diffuse, Distribution, Plastic, RoughConductor, RoughPlastic, RoughTransmittance,
+    Bsdf, Conductor, Dielectric, Diffuse, Distribution, Plastic, RoughConductor, RoughDielectric, RoughPlastic,
+    RoughTransmittance, ThinDielectric,
 };
-use manylight_math::{Spectrum, Vec2};
+use manylight_geometry::Surface;
+use manylight_math::{Frame, Spectrum, Vec2, Vec3};
 
 /// Index of a material in its scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -53,6 +56,32 @@ pub enum Model {
         /// Multiplies the transmission.
         transmittance: Source,
     },
+    /// A sheet of glass without thickness.
+    ThinDielectric {
+        /// Refractive index of the sheet.
+        int_ior: f32,
+        /// Refractive index outside.
+        ext_ior: f32,
+        /// Multiplies the reflection.
+        reflectance: Source,
+        /// Multiplies the transmission.
+        transmittance: Source,
+    },
+    /// Rough glass.
+    RoughDielectric {
+        /// Of the microfacets' normals.
+        distribution: Distribution,
+        /// Roughness along the tangent and the bitangent.
+        alpha: (f32, f32),
+        /// Refractive index on the side away from the normal; not that of the other side.
+        int_ior: f32,
+        /// Refractive index on the side of the normal.
+        ext_ior: f32,
+        /// Multiplies the reflection.
+        reflectance: Source,
+        /// Multiplies the transmission.
+        transmittance: Source,
+    },
     /// A smooth coat over a diffuse base.
     Plastic {
         /// Refractive index of the coat.
@@ -77,13 +106,93 @@ pub enum Model {
         /// Does light scattered inside change colour?
         nonlinear: bool,
     },
+    /// A model under a relief.
+    Relief {
+        /// What turns its shading frame.
+        relief: Relief,
+        /// Factor that darkens light from below the horizon of the relief's slopes (Conty Estevez et al. 2019)?
+        shadowed: bool,
+        /// The back of the surface has the mirror image of the relief, not its mould.
+        mirrored: bool,
+        /// What scatters.
+        model: Box<Model>,
+    },
+    /// One of two models at each point: the second with the probability `weight`.
+    Blend {
+        /// The luminance counts, between 0 and 1.
+        weight: Source,
+        /// The two.
+        models: Box<[Model; 2]>,
+    },
+}
+
+/// A model at a point: what scatters there, in which frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Resolved {
+    pub bsdf: Bsdf,
+    pub frame: Frame,
+    /// Of the relief, if it casts shadows: the shading normal without it, and the squared roughness that it stands for.
+    pub shadows: Option<(Vec3, f32)>,
 }
 
 impl Model {
-    /// The BSDF at texture coordinates.
+    /// The model at a surface. `frame`: the shading frame of the side that is seen. `coin` in [0, 1) chooses between models.
+    pub(crate) fn at(
+        &self,
+        textures: &[Texture],
+        x: &Surface,
+        derivatives: impl Fn() -> (Vec3, Vec3),
+        (frame, seen): (Frame, Seen),
+        mut coin: f32,
+    ) -> Resolved {
+        let (mut model, mut out) = (self, Resolved { bsdf: Bsdf::Black, frame, shadows: None });
+        loop {
+            match model {
+                Model::Relief { relief, shadowed, mirrored, model: inner } => {
+                    let turned = relief.turn(textures, x, derivatives(), out.frame, seen, *mirrored);
+                    if *shadowed {
+                        let cos2 = turned.n.dot(out.frame.n).powi(2);
+                        let alpha2 = (0.125 * (1.0 - cos2).max(0.0) / cos2).min(1.0);
+                        out.shadows = (alpha2 > 0.0).then_some((out.frame.n, alpha2));
+                    }
+                    (out.frame, model) = (turned, inner);
+                }
+                Model::Blend { weight, models } => {
+                    let weight = weight.at(textures, x.uv).luminance().clamp(0.0, 1.0);
+                    let second = coin < weight;
+                    // What is left of the coin is uniform again.
+                    coin = if second { coin / weight } else { (coin - weight) / (1.0 - weight) };
+                    model = &models[usize::from(second)];
+                }
+                leaf => return Resolved { bsdf: leaf.resolve(textures, x.uv), ..out },
+            }
+        }
+    }
+    /// How many models it may become.
+    pub fn choices(&self) -> usize {
+        self.leaves().len()
+    }
+    /// Does light pass through?
+    pub fn transmits(&self) -> bool {
+        let glass = |m: &&Model| {
+            matches!(m, Model::Dielectric { .. } | Model::ThinDielectric { .. } | Model::RoughDielectric { .. })
+        };
+        self.leaves().iter().any(glass)
+    }
+    /// All models without relief that it may become.
+    pub(crate) fn leaves(&self) -> Vec<&Model> {
+        match self {
+            Model::Relief { model, .. } => model.leaves(),
+            Model::Blend { models, .. } => models.iter().flat_map(Model::leaves).collect(),
+            leaf => vec![leaf],
+        }
+    }
+    /// The BSDF at texture coordinates; of a blend the first, of a relief the model below.
     pub fn resolve(&self, textures: &[Texture], uv: Vec2) -> Bsdf {
         let at = |s: &Source| s.at(textures, uv);
         match self {
+            Model::Relief { model, .. } => model.resolve(textures, uv),
+            Model::Blend { models, .. } => models[0].resolve(textures, uv),
             Model::Diffuse { reflectance } => Diffuse::new(at(reflectance)).into(),
             Model::Conductor { eta, k, reflectance } => Conductor::new(*eta, *k, at(reflectance)).into(),
             Model::RoughConductor { distribution, alpha_u, alpha_v, eta, k, reflectance } => {
@@ -91,6 +200,13 @@ impl Model {
             }
             Model::Dielectric { int_ior, ext_ior, reflectance, transmittance } => {
                 Dielectric::new(*int_ior, *ext_ior, at(reflectance), at(transmittance)).into()
+            }
+            Model::ThinDielectric { int_ior, ext_ior, reflectance, transmittance } => {
+                ThinDielectric::new(*int_ior, *ext_ior, at(reflectance), at(transmittance)).into()
+            }
+            Model::RoughDielectric { distribution, alpha, int_ior, ext_ior, reflectance, transmittance } => {
+                let indices = (*int_ior, *ext_ior);
+                RoughDielectric::new(*distribution, *alpha, indices, at(reflectance), at(transmittance)).into()
             }
             Model::Plastic { int_ior, ext_ior, diffuse, specular, nonlinear } => {
                 Plastic::new(*int_ior, *ext_ior, at(diffuse), at(specular), *nonlinear).into()
@@ -101,17 +217,24 @@ impl Model {
         }
     }
     /// The textures that it names.
-    pub(crate) fn textures(&self) -> impl Iterator<Item = TextureId> {
-        let sources = match self {
+    pub(crate) fn textures(&self) -> Vec<TextureId> {
+        let of = |sources: &[&Source]| {
+            let id = |s: &&Source| if let Source::Texture(id) = s { Some(*id) } else { None };
+            sources.iter().filter_map(id).collect()
+        };
+        match self {
             Model::Diffuse { reflectance }
             | Model::Conductor { reflectance, .. }
-            | Model::RoughConductor { reflectance, .. } => [Some(reflectance), None],
-            Model::Dielectric { reflectance, transmittance, .. } => [Some(reflectance), Some(transmittance)],
+            | Model::RoughConductor { reflectance, .. } => of(&[reflectance]),
+            Model::Dielectric { reflectance, transmittance, .. }
+            | Model::ThinDielectric { reflectance, transmittance, .. }
+            | Model::RoughDielectric { reflectance, transmittance, .. } => of(&[reflectance, transmittance]),
             Model::Plastic { diffuse, specular, .. } | Model::RoughPlastic { diffuse, specular, .. } => {
-                [Some(diffuse), Some(specular)]
+                of(&[diffuse, specular])
             }
-        };
-        sources.into_iter().flatten().filter_map(|s| if let Source::Texture(id) = s { Some(*id) } else { None })
+            Model::Relief { relief, model, .. } => [vec![relief.texture()], model.textures()].concat(),
+            Model::Blend { weight, models } => [of(&[weight]), models[0].textures(), models[1].textures()].concat(),
+        }
     }
 }
 
@@ -124,15 +247,17 @@ pub struct Material {
     pub front: Model,
     /// On the other side, as if the normal were turned round; `None`: one-sided (black behind), or a dielectric.
     pub back: Option<Model>,
+    /// The fraction of the surface that is there (its luminance counts, between 0 and 1); light passes through the rest.
+    pub opacity: Option<Source>,
 }
 
 impl Material {
     /// Black from behind, unless it is a dielectric.
     pub fn one_sided(name: impl Into<String>, front: Model) -> Self {
-        Material { name: name.into(), front, back: None }
+        Material { name: name.into(), front, back: None, opacity: None }
     }
     /// The same from both sides.
     pub fn two_sided(name: impl Into<String>, model: Model) -> Self {
-        Material { name: name.into(), front: model.clone(), back: Some(model) }
+        Material { name: name.into(), front: model.clone(), back: Some(model), opacity: None }
     }
 }

@@ -1,6 +1,8 @@
 //! Everything that is rendered, and the questions that light transport asks of it.
 
+use crate::material::Resolved;
 use crate::media::{Boundaries, Media};
+use crate::relief::Seen;
 use crate::vertex::{Edge, MediumPoint, Scatter, Sides, SurfacePoint, Vertex};
 use crate::{
     Boundary, Camera, Emission, Emitter, EmitterPart, EmitterSample, Emitters, Filter, Material, MaterialId, Part, Run,
@@ -139,12 +141,19 @@ impl SceneBuilder {
             if (index as usize) < count { Ok(()) } else { Err(SceneError::Missing { who, what, index, count }) }
         };
         for m in &self.materials {
-            for id in m.front.textures().chain(m.back.iter().flat_map(|b| b.textures())) {
+            let opacity = m.opacity.iter().filter_map(|o| if let Source::Texture(id) = o { Some(*id) } else { None });
+            for id in m.front.textures().into_iter().chain(m.back.iter().flat_map(|b| b.textures())).chain(opacity) {
                 missing(format!("material `{}`", m.name), "texture", id.0, self.textures.len())?;
             }
         }
         for s in &self.shapes {
             missing(format!("shape `{}`", s.name), "material", s.material.0, self.materials.len())?;
+            if s.radiance.is_some() && self.materials[s.material.0 as usize].opacity.is_some() {
+                return Err(SceneError::Emission(format!(
+                    "shape `{}` shines and lets light pass: only one is possible",
+                    s.name
+                )));
+            }
             match s.radiance {
                 Some(Source::Texture(id)) => {
                     missing(format!("shape `{}`", s.name), "texture", id.0, self.textures.len())?
@@ -239,7 +248,9 @@ impl SceneBuilder {
             max_depth: self.max_depth,
             rr_depth: self.rr_depth,
             delta_lobes: false,
+            masked: false,
         };
+        scene.masked = scene.shapes.iter().any(|s| scene.materials[s.material.0 as usize].opacity.is_some());
         scene.delta_lobes = scene.find_delta_lobes();
         Ok(scene)
     }
@@ -267,6 +278,8 @@ pub struct Scene {
     max_depth: Option<u32>,
     rr_depth: Option<u32>,
     delta_lobes: bool,
+    /// Is any shape not all there?
+    masked: bool,
 }
 
 impl Scene {
@@ -337,7 +350,7 @@ impl Scene {
     /// The first surface along a ray, as a vertex of an eye path or a light path. Media on the way change nothing: what they
     /// let through is `transmittance`, and `advance` scatters in them.
     pub fn intersect(&self, ray: &Ray, mode: Mode) -> Option<Vertex> {
-        let hit = self.geometry.intersect(ray)?;
+        let hit = self.first(ray)?;
         let medium = match &self.media {
             None => MediumId::VACUUM,
             Some(media) => media.walk(&until(ray, hit.t), |_| true),
@@ -349,7 +362,7 @@ impl Scene {
     /// vertex has a phase function alone. Without media it is `intersect`, and draws nothing.
     pub fn advance(&self, ray: &Ray, mode: Mode, throughput: Spectrum, s: &mut Stream) -> (Option<Vertex>, Spectrum) {
         let Some(media) = &self.media else { return (self.intersect(ray, mode), Spectrum::ONE) };
-        let hit = self.geometry.intersect(ray);
+        let hit = self.first(ray);
         let length = hit.map_or(ray.t_max, |h| h.t);
         let (collision, weight, medium) = media.fly(&until(ray, length), throughput, s);
         let vertex = match (collision, hit) {
@@ -362,6 +375,53 @@ impl Scene {
         };
         (vertex, weight)
     }
+    /// The first surface along a ray that is there. Where only a part of one is, a coin decides, a function of the ray and the
+    /// hit: the same ray always meets the same.
+    fn first(&self, ray: &Ray) -> Option<Hit> {
+        let mut hit = self.geometry.intersect(ray)?;
+        if !self.masked {
+            return Some(hit);
+        }
+        let (mut rest, mut passed) = (*ray, 0.0);
+        loop {
+            let opacity = self.opacity(&rest, &hit);
+            if opacity >= 1.0 || coin(&rest, &hit, 0) < opacity {
+                return Some(Hit { t: passed + hit.t, ..hit });
+            }
+            rest = self.beyond(&rest, &hit);
+            passed = (rest.origin - ray.origin).dot(ray.dir);
+            hit = self.geometry.intersect(&rest)?;
+        }
+    }
+    /// The fraction of a surface that is there.
+    fn opacity(&self, ray: &Ray, hit: &Hit) -> f32 {
+        match &self.materials[self.shapes[hit.shape as usize].material.0 as usize].opacity {
+            None => 1.0,
+            Some(Source::Constant(c)) => c.luminance(),
+            Some(texture) => texture.at(&self.textures, self.geometry.surface(ray, hit).uv).luminance(),
+        }
+    }
+    /// What is left of a ray behind a surface.
+    fn beyond(&self, ray: &Ray, hit: &Hit) -> Ray {
+        let x = self.geometry.surface(ray, hit);
+        let origin = offset_from(x.p, x.ng, x.error, ray.dir);
+        Ray { origin, t_max: ray.t_max - (origin - ray.origin).dot(ray.dir), ..*ray }
+    }
+    /// The fraction of light that surfaces let through along a segment: the product of what is not there of each.
+    fn clearance(&self, ray: &Ray) -> f32 {
+        if !self.masked {
+            return if self.geometry.occluded(ray) { 0.0 } else { 1.0 };
+        }
+        let (mut rest, mut clear) = (*ray, 1.0);
+        while let Some(hit) = self.geometry.intersect(&rest) {
+            clear *= 1.0 - self.opacity(&rest, &hit).clamp(0.0, 1.0);
+            if clear <= 0.0 {
+                return 0.0;
+            }
+            rest = self.beyond(&rest, &hit);
+        }
+        clear
+    }
     /// The surface at a hit; `medium` is what the ray arrived through.
     fn vertex_at(&self, ray: &Ray, hit: &Hit, mode: Mode, medium: MediumId) -> Vertex {
         let x = self.geometry.surface(ray, hit);
@@ -370,15 +430,17 @@ impl Scene {
         let wi = -ray.dir;
         let frame = Frame::with_tangent(x.ns, x.dpdu);
         let in_front = wi.dot(x.ns) > 0.0;
-        let (model, frame) = match &material.back {
-            Some(back) if !in_front => (back, frame.flipped()),
-            _ => (&material.front, frame),
+        let (model, side) = match &material.back {
+            Some(back) if !in_front => (back, (frame.flipped(), Seen::Back)),
+            _ => (&material.front, (frame, Seen::Front)),
         };
-        let bsdf = model.resolve(&self.textures, x.uv);
+        let derivatives = || self.geometry.derivatives(hit, &x);
+        let Resolved { bsdf, frame, shadows } = model.at(&self.textures, &x, derivatives, side, coin(ray, hit, 1));
         // What scatters on one side alone is black from behind: nobody need ask it for anything.
-        let dark = !in_front && material.back.is_none() && bsdf.has_smooth();
+        let dark = !in_front && material.back.is_none() && bsdf.is_one_sided();
         let bsdf = if dark { Bsdf::Black } else { bsdf };
         let mut point = SurfacePoint::new(&x, frame, wi, bsdf, mode);
+        point.shadows = shadows;
         point.emitter = shape.emitter;
         let parts = self.media.as_ref().and_then(|m| m.of_shape[hit.shape as usize]);
         point.sides = parts.unwrap_or(Sides::both(medium));
@@ -406,10 +468,11 @@ impl Scene {
                 (Ray::new(a.surface.map_or(a.p, |(n, error)| offset_from(a.p, n, error, *w)), *w), a)
             }
         };
-        if self.geometry.occluded(&ray) {
+        let clear = self.clearance(&ray);
+        if clear <= 0.0 {
             return Spectrum::BLACK;
         }
-        let Some(media) = &self.media else { return Spectrum::ONE };
+        let Some(media) = &self.media else { return Spectrum::gray(clear) };
         let ray = match edge {
             // The shadow ray may run either way.
             Edge::Between(a, b) => {
@@ -419,7 +482,7 @@ impl Scene {
             }
             Edge::ToInfinity(..) => ray,
         };
-        media.transmittance(&ray.within(from.towards(ray.dir)), s)
+        media.transmittance(&ray.within(from.towards(ray.dir)), s) * clear
     }
     /// Draws a point of an emitter, or a direction to infinity. `None` if nothing shines.
     pub fn sample_emitter(&self, s: &mut Stream) -> Option<EmitterSample> {
@@ -435,7 +498,7 @@ impl Scene {
     }
     /// The piece of an emitter that a ray meets first: what `intersect` meets, named.
     pub fn part_along(&self, ray: &Ray) -> Option<Part> {
-        let hit = self.geometry.intersect(ray)?;
+        let hit = self.first(ray)?;
         let emitter = self.shapes[hit.shape as usize].emitter;
         let mesh = matches!(self.geometry.shapes()[hit.shape as usize], ShapeGeometry::Mesh(_));
         (emitter != u32::MAX).then_some(Part { emitter, triangle: mesh.then_some(hit.triangle) })
@@ -457,7 +520,8 @@ impl Scene {
         self.delta_lobes
     }
     fn find_delta_lobes(&self) -> bool {
-        let delta = |m: &crate::Model| m.resolve(&self.textures, Default::default()).has_delta();
+        let leaf = |m: &crate::Model| m.resolve(&self.textures, Default::default()).has_delta();
+        let delta = |m: &crate::Model| m.leaves().into_iter().any(leaf);
         let of_shape = |s: &Placed| &self.materials[s.material.0 as usize];
         self.shapes.iter().map(of_shape).any(|m| delta(&m.front) || m.back.as_ref().is_some_and(delta))
     }
@@ -496,6 +560,20 @@ impl Scene {
 /// A ray up to a surface, and not beyond: a boundary that coincides with the surface is not crossed.
 fn until(ray: &Ray, t: f32) -> Ray {
     Ray { t_max: t * (1.0 - 4.0 * f32::EPSILON), ..*ray }
+}
+
+/// A number in [0, 1) that is a function of a ray and what it meets, and as good as random over rays.
+fn coin(ray: &Ray, hit: &Hit, purpose: u32) -> f32 {
+    let [o, d] = [ray.origin, ray.dir].map(|v| v.to_array().map(f32::to_bits));
+    let words = [o[0], o[1], o[2], d[0], d[1], d[2], hit.t.to_bits(), hit.shape, hit.triangle, purpose];
+    // SplitMix64's mixing after each word.
+    let mixed = words.iter().fold(0u64, |state, word| {
+        let z = (state ^ u64::from(*word)).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    });
+    (mixed >> 40) as f32 * (1.0 / (1u64 << 24) as f32)
 }
 
 struct Fnv(u64);

@@ -116,6 +116,15 @@ impl Texture {
             Texture::Bitmap { image, filter, wrap, to_uv } => image.at(to_uv.transform_point2(uv), *filter, *wrap),
         }
     }
+    /// How the luminance changes with u and with v: the derivative of `at` where that has one, zero at its steps.
+    pub fn gradient(&self, uv: Vec2) -> Vec2 {
+        match self {
+            Texture::Bitmap { image, filter: TextureFilter::Bilinear, wrap, to_uv } => {
+                to_uv.matrix2.transpose() * image.gradient(to_uv.transform_point2(uv), *wrap)
+            }
+            _ => Vec2::ZERO,
+        }
+    }
     /// The mean over the unit square (of the image, whatever the transform).
     pub fn mean(&self) -> Spectrum {
         match self {
@@ -132,6 +141,22 @@ impl Texture {
 }
 
 impl Bitmap {
+    /// The derivative of the luminance of the bilinear `at`.
+    fn gradient(&self, uv: Vec2, wrap: Wrap) -> Vec2 {
+        if !uv.is_finite() {
+            return Vec2::ZERO;
+        }
+        let size = Vec2::new(self.width as f32, self.height as f32);
+        let p = uv * size - 0.5;
+        let (corner, f) = (p.floor(), p - p.floor());
+        let (x, y) = (corner.x as i64, corner.y as i64);
+        let pixel = |x: i64, y: i64| {
+            self.pixels[wrap.index(y, self.height) * self.width + wrap.index(x, self.width)].luminance()
+        };
+        let [a, b, c, d] = [pixel(x, y), pixel(x + 1, y), pixel(x, y + 1), pixel(x + 1, y + 1)];
+        let mix = |low: f32, high: f32, t: f32| low + (high - low) * t;
+        Vec2::new(mix(b - a, d - c, f.y), mix(c - a, d - b, f.x)) * size
+    }
     /// The colour at a point; (0, 0) is the outer corner of the first pixel, (1, 1) of the last.
     pub fn at(&self, uv: Vec2, filter: TextureFilter, wrap: Wrap) -> Spectrum {
         if !uv.is_finite() {

@@ -97,6 +97,8 @@ pub struct SurfacePoint {
     pub emitter: u32,
     /// The media that it parts.
     pub sides: Sides,
+    /// A relief that casts shadows: the shading normal without it, and the squared roughness that it stands for.
+    pub shadows: Option<(Vec3, f32)>,
 }
 
 /// A point of a medium.
@@ -152,7 +154,18 @@ impl SurfacePoint {
     pub fn new(x: &Surface, frame: Frame, wi: Vec3, bsdf: Bsdf, mode: Mode) -> Self {
         let emitted = Spectrum::BLACK;
         let sides = Sides::VACUUM;
-        SurfacePoint { ng: x.ng, frame, wi, bsdf, mode, error: x.error, emitted, emitter: u32::MAX, sides }
+        let (error, emitter, shadows) = (x.error, u32::MAX, None);
+        SurfacePoint { ng: x.ng, frame, wi, bsdf, mode, error, emitted, emitter, sides, shadows }
+    }
+    /// The part of light along `w` that the slopes of a relief do not shadow: as GGX microfacets of roughness alpha,
+    /// alpha^2 = tan^2 / 8 of the angle by which the normal is turned (Conty Estevez, Lecocq and Stein 2019). Of the two directions
+    /// it is the one towards the light that counts.
+    fn unshadowed(&self, w: Vec3) -> f32 {
+        let Some((n, alpha2)) = self.shadows else { return 1.0 };
+        let cos2 = n.dot(w).powi(2);
+        // 2 / (1 + sqrt(1 + alpha^2 tan^2)), finite at grazing angles.
+        let cos = cos2.sqrt();
+        2.0 * cos / (cos + (cos2 + alpha2 * (1.0 - cos2).max(0.0)).sqrt())
     }
     /// What makes shading normals conserve what geometric normals say: |ns . wi| / |ng . wi| for light paths, one for eye
     /// paths (the part of Veach 1997, Eq. 5.19 that belongs to the arrival).
@@ -161,9 +174,13 @@ impl SurfacePoint {
             Mode::Radiance => 1.0,
             Mode::Importance => {
                 let g = self.ng.dot(self.wi).abs();
-                if g > 0.0 { self.frame.n.dot(self.wi).abs() / g } else { 0.0 }
+                if g > 0.0 { self.unshadowed(self.wi) * self.frame.n.dot(self.wi).abs() / g } else { 0.0 }
             }
         }
+    }
+    /// The part of what leaves along `w` that a relief does not shadow.
+    fn leaving(&self, w: Vec3) -> f32 {
+        if self.mode == Mode::Radiance { self.unshadowed(w) } else { 1.0 }
     }
     /// The cosine that belongs to the departure: of the shading normal for eye paths, of the geometric one for light paths.
     fn departure(&self, w: Vec3) -> f32 {
@@ -174,9 +191,12 @@ impl SurfacePoint {
     }
     /// See `Vertex::bound`.
     fn bound(&self, p: Vec3, towards: &Aabb) -> Lobe {
-        // All lobes but delta lobes reflect: nothing scatters to below the surface, beyond the rounding of the cosine.
-        let cos = towards.minus(&Aabb::point(p)).largest_cosine(&self.frame) + COSINE_SLACK;
-        if !(cos > 0.0 && self.frame.n.dot(self.wi) > 0.0) {
+        // What is one-sided reflects: nothing scatters to below the surface, beyond the rounding of the cosine.
+        let box_from_here = towards.minus(&Aabb::point(p));
+        let mut cos = box_from_here.largest_cosine(&self.frame) + COSINE_SLACK;
+        if !self.bsdf.is_one_sided() {
+            cos = cos.max(box_from_here.largest_cosine(&self.frame.flipped()) + COSINE_SLACK);
+        } else if !(cos > 0.0 && self.frame.n.dot(self.wi) > 0.0) {
             return Lobe::NONE;
         }
         let local = |w: Vec3| self.frame.to_local(w);
@@ -214,7 +234,9 @@ impl Vertex {
                 if !x.sides_agree(w) {
                     return Spectrum::BLACK;
                 }
-                x.bsdf.eval(x.frame.to_local(x.wi), x.frame.to_local(w)) * x.arrival()
+                let (wi, wo) = (x.frame.to_local(x.wi), x.frame.to_local(w));
+                let radiance = if x.mode == Mode::Radiance { x.bsdf.radiance_factor(wi, wo) } else { 1.0 };
+                x.bsdf.eval(wi, wo) * (x.arrival() * x.leaving(w) * radiance)
             }
             Scatter::Medium(x) => x.scattering * x.phase.eval(x.wi, w),
             Scatter::Emitter(EmitterPoint::Lambert { n, .. }) if !(n.dot(w) > 0.0) => Spectrum::BLACK,
@@ -243,7 +265,8 @@ impl Vertex {
                     return None;
                 }
                 let cosine = x.frame.n.dot(dir).abs();
-                let correction = if cosine > 0.0 { x.arrival() * x.departure(dir) / cosine } else { 0.0 };
+                let scale = x.arrival() * x.leaving(dir);
+                let correction = if cosine > 0.0 { scale * x.departure(dir) / cosine } else { 0.0 };
                 Some(VertexSample { dir, weight: s.weight * correction, pdf: s.pdf, delta: s.delta })
             }
             Scatter::Medium(x) => {

@@ -110,7 +110,7 @@ fn join(a: &Cluster, b: &Cluster) -> (Vec3, f32) {
 }
 
 impl Vpl {
-    /// The side to which it shines: all lobes but delta lobes reflect.
+    /// The side to which it shines, unless it is both.
     fn side(&self) -> Vec3 {
         match &self.vertex.scatter {
             Scatter::Surface(x) => x.ng * x.ng.dot(x.wi).signum(),
@@ -121,7 +121,11 @@ impl Vpl {
         }
     }
     fn shines_to_all_sides(&self) -> bool {
-        matches!(self.vertex.scatter, Scatter::Medium(_) | Scatter::Emitter(EmitterPoint::Isotropic))
+        match &self.vertex.scatter {
+            Scatter::Surface(x) => !x.bsdf.is_one_sided(),
+            Scatter::Medium(_) | Scatter::Emitter(EmitterPoint::Isotropic) => true,
+            Scatter::Emitter(_) => false,
+        }
     }
     /// Luminance of what it emits along its axis, were its lobe its mean; never nothing where it shines at all. [W/sr]
     fn mean_intensity(&self, peak: f32) -> f32 {
@@ -150,6 +154,7 @@ impl Clustered for Vpl {
     /// Oriented, glossy, to all sides, from infinity.
     fn kind(&self) -> u32 {
         match &self.vertex.scatter {
+            Scatter::Surface(x) if !x.bsdf.is_one_sided() => 2,
             Scatter::Surface(x) => !matches!(x.bsdf, manylight_bsdf::Bsdf::Diffuse(_)) as u32,
             Scatter::Emitter(EmitterPoint::Lambert { .. }) => 0,
             Scatter::Emitter(EmitterPoint::Distant { .. }) => 3,

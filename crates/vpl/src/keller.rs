@@ -72,7 +72,10 @@ impl Keller {
     /// The light at a vertex of one of its paths; `None` where it would light nothing.
     pub fn light(&self, step: &Step) -> Option<Vpl> {
         let mut vertex = step.vertex;
-        if let (Emission::Diffuse, Scatter::Surface(x)) = (self.emission, &mut vertex.scatter) {
+        // Of rough glass there is no diffuse likeness: it stays what it is.
+        if let (Emission::Diffuse, Scatter::Surface(x)) = (self.emission, &mut vertex.scatter)
+            && x.bsdf.is_one_sided()
+        {
             let wi = x.frame.to_local(x.wi);
             x.bsdf = if wi.z > 0.0 { Diffuse::new(x.bsdf.albedo(wi)).into() } else { Bsdf::Black };
         }

@@ -89,7 +89,7 @@ impl Cone {
 /// Does `w` leave to the other side of the surface than the path came from?
 fn behind(v: &Vertex, w: Vec3) -> bool {
     match &v.scatter {
-        Scatter::Surface(p) => p.ng.dot(w) * p.ng.dot(p.wi) < 0.0,
+        Scatter::Surface(p) => p.bsdf.is_one_sided() && p.ng.dot(w) * p.ng.dot(p.wi) < 0.0,
         _ => false,
     }
 }

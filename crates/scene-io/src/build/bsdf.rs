@@ -2,22 +2,33 @@
 
 use super::Builder;
 use super::texture::Range;
-use crate::document::{Class, ObjectId, Value, refuse_plugin};
+use crate::document::{Class, Object, ObjectId, Value, refuse_plugin};
 use crate::ior;
 use crate::query::Query;
 use manylight_bsdf::{Distribution, RoughTransmittance};
 use manylight_math::Spectrum;
-use manylight_scene::{Material, MaterialId, Model};
+use manylight_scene::{Material, MaterialId, Model, Relief};
 
-const BSDFS: [&str; 8] =
-    ["diffuse", "conductor", "roughconductor", "dielectric", "plastic", "roughplastic", "twosided", "null"];
-const MITSUBA: [&str; 17] = [
+/// More BSDFs than any blend has.
+const MOST_CHOICES: usize = 64;
+
+const BSDFS: [&str; 14] = [
+    "diffuse",
+    "conductor",
+    "roughconductor",
+    "dielectric",
     "thindielectric",
     "roughdielectric",
+    "plastic",
+    "roughplastic",
+    "twosided",
     "mask",
     "bumpmap",
     "normalmap",
     "blendbsdf",
+    "null",
+];
+const MITSUBA: [&str; 11] = [
     "principled",
     "principledthin",
     "measured",
@@ -63,35 +74,166 @@ impl<'a> Builder<'a> {
     }
 
     fn make_material(&mut self, id: ObjectId) -> Option<Material> {
+        let name = |o: &Object| o.id.clone().unwrap_or_else(|| o.plugin.clone());
+        let made = self.draft(id, false)?;
+        Some(Material { name: name(self.document.object(id)), ..made })
+    }
+
+    /// A material without its name. `inside` a `twosided`, which takes neither what transmits nor what has two sides. Each is
+    /// made once: a chain of blends of two references to the next would double at each step.
+    fn draft(&mut self, id: ObjectId, inside: bool) -> Option<Material> {
+        if let Some(known) = self.drafts.get(&(id, inside)) {
+            return known.clone();
+        }
+        let made = self.make_draft(id, inside);
+        self.drafts.insert((id, inside), made.clone());
+        made
+    }
+
+    fn make_draft(&mut self, id: ObjectId, inside: bool) -> Option<Material> {
         let q = self.query(id);
-        let name = q.object.id.clone().unwrap_or_else(|| q.object.plugin.clone());
-        if q.object.plugin != "twosided" {
-            return self.model(id).map(|model| Material::one_sided(name, model));
+        let plugin = q.object.plugin.as_str();
+        let refused = match plugin {
+            "twosided" => Some("it has two sides itself"),
+            "dielectric" | "thindielectric" | "roughdielectric" | "null" | "mask" => Some("it lets light through"),
+            _ => None,
+        };
+        if let Some(why) = refused.filter(|_| inside) {
+            let help = if plugin == "mask" { "write the `twosided` inside the `mask`" } else { "take it out" };
+            self.report.error_help(q.object.at, format!("`twosided` cannot hold `{plugin}`: {why}"), help);
+            return None;
         }
-        let sides = q.children(Class::Bsdf);
-        if sides.is_empty() && !q.object.broken {
-            q.error("`twosided` needs a nested <bsdf> (or two: front and back)");
+        match plugin {
+            "twosided" => self.twosided(q),
+            "mask" => self.mask(q),
+            "bumpmap" | "normalmap" => self.relief(q, inside),
+            "blendbsdf" => self.blend(q, inside),
+            "null" => {
+                let help = "for a surface with holes write a `mask`";
+                self.report.error_help(q.object.at, "`null` cannot stand inside another BSDF here", help);
+                None
+            }
+            _ => self.model(id).map(|model| Material::one_sided("", model)),
         }
-        if let Some((_, third)) = sides.get(2) {
-            self.report.error(third.at, "`twosided` has a front and a back already: it takes only two <bsdf>");
+    }
+
+    /// The nested BSDFs of one that takes `count`.
+    fn nested(&self, q: &Query<'a>, least: usize, most: usize) -> Vec<ObjectId> {
+        let nested = q.children(Class::Bsdf);
+        let takes = match (least, most) {
+            (1, 1) => "one nested <bsdf>",
+            (1, _) => "a nested <bsdf> (or two: front and back)",
+            _ => "two nested <bsdf>",
+        };
+        let plugin = &q.object.plugin;
+        if nested.len() < least && !q.object.broken {
+            q.error(format!("`{plugin}` needs {takes}"));
+        }
+        if let Some((_, excess)) = nested.get(most) {
+            self.report.error(excess.at, format!("`{plugin}` takes {takes}, and no more"));
+        }
+        nested.into_iter().take(most).map(|(id, _)| id).collect()
+    }
+
+    fn twosided(&mut self, q: Query<'a>) -> Option<Material> {
+        let sides = self.nested(&q, 1, 2);
+        q.finish();
+        let made: Vec<Option<Material>> = sides.into_iter().map(|side| self.draft(side, true)).collect();
+        let mut models = made.into_iter().map(|m| m.map(|m| m.front));
+        let (front, back) = (models.next()??, models.next());
+        Some(Material {
+            back: Some(if let Some(back) = back { back? } else { front.clone() }),
+            ..Material::one_sided("", front)
+        })
+    }
+
+    fn mask(&mut self, q: Query<'a>) -> Option<Material> {
+        let opacity = self.source(&q, "opacity", 0.5, Range::Reflectance);
+        let nested = self.nested(&q, 1, 1);
+        let at = q.object.at;
+        q.finish();
+        let inner = self.draft(*nested.first()?, false)?;
+        if inner.opacity.is_some() {
+            self.report.error(at, "a `mask` inside a `mask` is not supported: multiply their opacities");
+            return None;
+        }
+        Some(Material { opacity: Some(opacity), ..inner })
+    }
+
+    fn relief(&mut self, q: Query<'a>, inside: bool) -> Option<Material> {
+        let shadowed = q.boolean("use_shadowing_function", true);
+        q.ignore(&["flip_invalid_normals"]);
+        let bump = q.object.plugin == "bumpmap";
+        let scale = if bump { q.float("scale", 1.0) as f32 } else { 1.0 };
+        let map = if bump {
+            q.child(Class::Texture)
+        } else {
+            match q.get("normalmap").map(|p| &p.value) {
+                Some(Value::Object(id)) if self.document.object(*id).class == Class::Texture => Some(*id),
+                _ => None,
+            }
+        };
+        let nested = self.nested(&q, 1, 1);
+        if map.is_none() && !q.object.broken {
+            let named = if bump { "" } else { " named `normalmap`" };
+            q.error(format!("`{}` needs a nested <texture>{named}", q.object.plugin));
         }
         q.finish();
-        let mut models = Vec::new();
-        for (side, p) in sides.iter().take(2) {
-            match self.document.object(*side).plugin.as_str() {
-                transmits @ ("dielectric" | "twosided" | "null") => {
-                    let why = if transmits == "twosided" { "it has two sides itself" } else { "it lets light through" };
-                    self.report.error(p.at, format!("`twosided` cannot hold `{transmits}`: {why}"));
+        let plugin = self.document.object(map?).plugin.as_str();
+        if bump && plugin != "bitmap" {
+            let at = self.document.object(map?).plugin_at;
+            self.report.error(at, format!("`bumpmap` needs a `bitmap`: a `{plugin}` has no slopes"));
+            return None;
+        }
+        let texture = self.texture(map?, Range::Any);
+        let inner = self.draft(*nested.first()?, inside)?;
+        let texture = texture?;
+        let relief = if bump { Relief::Bump { height: texture, scale } } else { Relief::Normals { map: texture } };
+        let under = |model| Model::Relief { relief, shadowed, mirrored: inside, model: Box::new(model) };
+        Some(Material {
+            front: under(inner.front),
+            back: inner.back.map(under),
+            opacity: inner.opacity,
+            name: String::new(),
+        })
+    }
+
+    fn blend(&mut self, q: Query<'a>, inside: bool) -> Option<Material> {
+        if !q.has("weight") && !q.object.broken {
+            q.error("`blendbsdf` needs a `weight` (<float> or <texture>): 0 shows the first <bsdf>, 1 the second");
+        }
+        let weight = self.source(&q, "weight", 0.5, Range::Reflectance);
+        let nested = self.nested(&q, 2, 2);
+        let at = q.object.at;
+        q.finish();
+        let made: Vec<Option<Material>> = nested.into_iter().map(|id| self.draft(id, inside)).collect();
+        let [Some(a), Some(b)] = <[Option<Material>; 2]>::try_from(made).ok()? else { return None };
+        if a.opacity.is_some() || b.opacity.is_some() {
+            self.report.error(at, "a `mask` inside a `blendbsdf` is not supported: write the mask around it");
+            return None;
+        }
+        let blend = |a, b| Model::Blend { weight, models: Box::new([a, b]) };
+        let back = match (a.back, b.back) {
+            (None, None) => None,
+            (a_back, b_back) => {
+                let one_sided = [(&a.front, &a_back), (&b.front, &b_back)].into_iter().find(|(_, back)| back.is_none());
+                if one_sided.is_some_and(|(front, _)| front.transmits()) {
+                    self.report.error(at, "a blend of a two-sided and a transmitting BSDF is not supported");
+                    return None;
                 }
-                _ => models.extend(self.model(*side)),
+                Some(blend(a_back.unwrap_or(Self::black()), b_back.unwrap_or(Self::black())))
             }
+        };
+        let made = Material { back, ..Material::one_sided("", blend(a.front, b.front)) };
+        if made.front.choices() > MOST_CHOICES {
+            self.report.error(at, format!("blends of more than {MOST_CHOICES} BSDFs are not supported"));
+            return None;
         }
-        let mut models = models.into_iter();
-        match (models.next(), models.next()) {
-            (Some(front), None) => Some(Material::two_sided(name, front)),
-            (Some(front), Some(back)) => Some(Material { name, front, back: Some(back) }),
-            _ => None,
-        }
+        Some(made)
+    }
+
+    fn black() -> Model {
+        Model::Diffuse { reflectance: Self::gray(0.0) }
     }
 
     fn model(&mut self, id: ObjectId) -> Option<Model> {
@@ -115,6 +257,24 @@ impl<'a> Builder<'a> {
                 let reflectance = self.source(&q, "specular_reflectance", 1.0, white);
                 let transmittance = self.source(&q, "specular_transmittance", 1.0, white);
                 Model::Dielectric { int_ior, ext_ior, reflectance, transmittance }
+            }
+            "thindielectric" => {
+                let (int_ior, ext_ior) = self.dielectric_index(&q, "bk7");
+                let reflectance = self.source(&q, "specular_reflectance", 1.0, white);
+                let transmittance = self.source(&q, "specular_transmittance", 1.0, white);
+                Model::ThinDielectric { int_ior, ext_ior, reflectance, transmittance }
+            }
+            "roughdielectric" => {
+                let (int_ior, ext_ior) = self.dielectric_index(&q, "bk7");
+                let alpha = self.anisotropic_alpha(&q);
+                let distribution = distribution(&q);
+                let reflectance = self.source(&q, "specular_reflectance", 1.0, white);
+                let transmittance = self.source(&q, "specular_transmittance", 1.0, white);
+                if !((int_ior / ext_ior - 1.0).abs() > 1e-4) {
+                    q.error(format!("`int_ior` and `ext_ior` of {} must differ", q.name()));
+                    return None;
+                }
+                Model::RoughDielectric { distribution, alpha, int_ior, ext_ior, reflectance, transmittance }
             }
             "plastic" => {
                 let (int_ior, ext_ior) = self.dielectric_index(&q, "polypropylene");

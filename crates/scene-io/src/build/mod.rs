@@ -13,7 +13,7 @@ use crate::document::{Class, Document, ObjectId, refuse_plugin};
 use crate::query::Query;
 use crate::{LoadOptions, Loaded};
 use manylight_math::MediumId;
-use manylight_scene::{MaterialId, Scene, SceneBuilder, Source, TextureId};
+use manylight_scene::{Material, MaterialId, Scene, SceneBuilder, Source, TextureId};
 use std::collections::HashMap;
 
 /// Integrators of Mitsuba 3: their depths count, the rest of them does not.
@@ -42,6 +42,8 @@ pub(crate) struct Builder<'a> {
     options: &'a LoadOptions,
     scene: SceneBuilder,
     materials: HashMap<ObjectId, Option<MaterialId>>,
+    /// By object, and whether it stands inside a `twosided`.
+    drafts: HashMap<(ObjectId, bool), Option<Material>>,
     textures: HashMap<ObjectId, Option<TextureId>>,
     media: HashMap<ObjectId, Option<MediumId>>,
     /// For shapes without a BSDF: without and with an emitter.
@@ -57,6 +59,7 @@ pub(crate) fn build(document: &Document, report: &Report, assets: &Assets, optio
         options,
         scene: Scene::builder(),
         materials: HashMap::new(),
+        drafts: HashMap::new(),
         textures: HashMap::new(),
         media: HashMap::new(),
         default_materials: [None; 2],

@@ -107,6 +107,12 @@ impl<'a> Builder<'a> {
             Some(id) => self.material(id).map(Some),
             None => Some(Some(self.default_material(emits))),
         };
+        if let Some(id) = q.children(Class::Bsdf).first().map(|(id, _)| *id)
+            && emits
+            && self.document.object(id).plugin == "mask"
+        {
+            q.error("a shape whose BSDF is a `mask` cannot shine here: take the mask or the emitter out");
+        }
         let sides = self.sides(&q);
         let geometry = self.geometry(&q);
         let file = match q.object.value("filename") {
