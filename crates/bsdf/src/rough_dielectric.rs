@@ -1,6 +1,6 @@
 //! A rough interface between two transparent media.
 
-use crate::bsdf::{BsdfSample, Lobe, Mode, Model};
+use crate::bsdf::{Bsdf, BsdfSample, Lobe, Mode, Model, Split};
 use crate::cone::Cone;
 use crate::fresnel;
 use crate::microfacet::{Distribution, Microfacets, mirror};
@@ -189,5 +189,8 @@ impl Model for RoughDielectric {
     }
     fn upper_bound(&self, wi: Vec3, cone: &Cone) -> Lobe {
         self.bound_of_both_sides(wi, cone.axis, cone.half.cos())
+    }
+    fn split(&self, _wi: Vec3, alpha: f32) -> Option<Split> {
+        self.microfacets.as_sharp_as(alpha).then_some(Split { dull: Bsdf::Black, sharp: (*self).into(), chance: 1.0 })
     }
 }
