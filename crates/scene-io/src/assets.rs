@@ -3,6 +3,7 @@
 use crate::document::{Class, Document, Object, Value};
 use crate::mesh::{RawMesh, obj, ply};
 use crate::vol::{self, RawGrid};
+use crate::xml::Folders;
 use crate::{diagnostic, image};
 use manylight_scene::Bitmap;
 use rayon::prelude::*;
@@ -36,21 +37,21 @@ enum Content {
 }
 
 /// All files, by path and kind.
-pub(crate) struct Assets {
-    base_dir: PathBuf,
+pub(crate) struct Assets<'a> {
+    folders: &'a Folders,
     content: HashMap<Key, Result<Content, Failure>>,
     /// In the order in which the scene names them.
     pub(crate) paths: Vec<PathBuf>,
 }
 
-impl Assets {
+impl<'a> Assets<'a> {
     /// Reads every mesh and image that the document names.
-    pub(crate) fn read(document: &Document, base_dir: &Path) -> Self {
+    pub(crate) fn read(document: &Document, folders: &'a Folders) -> Self {
         let mut keys: Vec<Key> = Vec::new();
         let mut known = HashSet::new();
         for object in document.objects() {
             if let Some((name, kind)) = wanted(object) {
-                let key = (base_dir.join(name), kind);
+                let key = (folders.find(name), kind);
                 if known.insert(key.clone()) {
                     keys.push(key);
                 }
@@ -59,24 +60,24 @@ impl Assets {
         let content: Vec<_> = keys.par_iter().map(|(path, kind)| read_one(path, *kind)).collect();
         let mut listed = HashSet::new();
         let paths = keys.iter().map(|(path, _)| path.clone()).filter(|path| listed.insert(path.clone())).collect();
-        Assets { base_dir: base_dir.to_owned(), content: keys.into_iter().zip(content).collect(), paths }
+        Assets { folders, content: keys.into_iter().zip(content).collect(), paths }
     }
     pub(crate) fn mesh(&self, name: &str, kind: Kind) -> Result<&RawMesh, Failure> {
-        match self.content.get(&(self.base_dir.join(name), kind)) {
+        match self.content.get(&(self.folders.find(name), kind)) {
             Some(Ok(Content::Mesh(mesh))) => Ok(mesh),
             Some(Err(failure)) => Err(failure.clone()),
             _ => Err((format!("`{name}` was not read"), None)),
         }
     }
     pub(crate) fn grid(&self, name: &str) -> Result<&RawGrid, Failure> {
-        match self.content.get(&(self.base_dir.join(name), Kind::Grid)) {
+        match self.content.get(&(self.folders.find(name), Kind::Grid)) {
             Some(Ok(Content::Grid(grid))) => Ok(grid),
             Some(Err(failure)) => Err(failure.clone()),
             _ => Err((format!("`{name}` was not read"), None)),
         }
     }
     pub(crate) fn image(&self, name: &str, raw: bool) -> Result<Arc<Bitmap>, Failure> {
-        match self.content.get(&(self.base_dir.join(name), Kind::Image { raw })) {
+        match self.content.get(&(self.folders.find(name), Kind::Image { raw })) {
             Some(Ok(Content::Image(image))) => Ok(image.clone()),
             Some(Err(failure)) => Err(failure.clone()),
             _ => Err((format!("`{name}` was not read"), None)),

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Mistakes beyond this many are counted, not listed.
 const MOST_LISTED: usize = 100;
@@ -79,7 +80,7 @@ struct Found {
 
 struct SourceText {
     path: PathBuf,
-    text: String,
+    text: Arc<str>,
     /// Where each line starts.
     lines: Vec<usize>,
 }
@@ -96,11 +97,11 @@ impl Report {
     /// Takes a text in; its number goes into every `At`.
     pub(crate) fn add_source(&mut self, path: &Path, text: String) -> u32 {
         let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
-        self.sources.push(SourceText { path: path.to_owned(), text, lines });
+        self.sources.push(SourceText { path: path.to_owned(), text: text.into(), lines });
         (self.sources.len() - 1) as u32
     }
-    pub(crate) fn text(&self, source: u32) -> &str {
-        &self.sources[source as usize].text
+    pub(crate) fn text(&self, source: u32) -> Arc<str> {
+        self.sources[source as usize].text.clone()
     }
     pub(crate) fn error(&self, at: At, message: impl Into<String>) {
         self.found.borrow_mut().push(Found { at: Some(at), message: message.into(), help: None });
@@ -167,7 +168,7 @@ impl Report {
     }
     /// Line, column, the line (or a window of it) and the caret's place in that.
     fn locate(&self, at: At) -> (u32, u32, String, usize) {
-        let text = self.text(at.source);
+        let text = &*self.sources[at.source as usize].text;
         let offset = floor_char_boundary(text, at.offset);
         let lines = &self.sources[at.source as usize].lines;
         let line = lines.partition_point(|&start| start <= offset);
@@ -205,8 +206,8 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
     near.min_by_key(|&(distance, _)| distance).map(|(_, candidate)| candidate)
 }
 
-/// `faceNormals` as Mitsuba 3 writes it.
-fn snake_case(name: &str) -> String {
+/// `faceNormals` as Mitsuba 3 writes it: `face_normals`.
+pub(crate) fn snake_case(name: &str) -> String {
     let mut out = String::with_capacity(name.len() + 4);
     let mut lower_before = false;
     for c in name.chars() {

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{At, Report, any_of, nearest, suggestion};
 use crate::value;
-use crate::xml::{Attribute, Element};
+use crate::xml::{Attribute, Element, upgrade};
 use manylight_math::{DAffine3, DVec3};
 use std::collections::HashMap;
 
@@ -139,8 +139,15 @@ impl Document {
         ObjectId(self.objects.len() - 1)
     }
     /// Reads a whole tree. `None` if its root is no scene of a version that is understood.
-    pub(crate) fn read(root: &Element, report: &Report) -> Option<Document> {
-        check_root(root, report)?;
+    pub(crate) fn read(mut root: Element, report: &Report) -> Option<Document> {
+        if check_root(&root, report)? < 2 {
+            report.warn(
+                root.at,
+                "a file older than Mitsuba 2: its names are read in snake_case (`toWorld` as `to_world`)",
+            );
+            upgrade(&mut root);
+        }
+        let root = &root;
         let mut reader = Reader { objects: Vec::new(), ids: HashMap::new(), report };
         reader.scene(root);
         let mut document = Document { objects: reader.objects };
@@ -197,7 +204,8 @@ impl Document {
     }
 }
 
-fn check_root(root: &Element, report: &Report) -> Option<()> {
+/// The major number of the version.
+fn check_root(root: &Element, report: &Report) -> Option<u32> {
     if root.tag != "scene" {
         report.error(root.at, format!("the root element is <{}>: expected <scene version=\"3.0.0\">", root.tag));
         return None;
@@ -207,26 +215,13 @@ fn check_root(root: &Element, report: &Report) -> Option<()> {
         report.error(root.at, "<scene> needs the attribute `version`: \"3.0.0\" if it was written for Mitsuba 3");
         return None;
     };
-    let mut parts = version.value.trim().split('.').map(str::parse::<u32>);
-    match parts.next() {
-        Some(Ok(major)) if parts.all(|p| p.is_ok()) => {
-            if major < 3 {
-                let message = format!("version {} is not supported: expected 3.0.0 or later", version.value.trim());
-                let help = "write each property name in snake_case (`toWorld` is `to_world`, `maxDepth` is `max_depth`), \
-                            then set version=\"3.0.0\"; Mitsuba 3 still loads and so checks the result";
-                report.error_help(version.value_at, message, help);
-                return None;
-            }
-            Some(())
-        }
-        _ => {
-            report.error(
-                version.value_at,
-                format!("`{}` is not a version: expected 3.0.0 or later", version.value.trim()),
-            );
-            None
-        }
+    let text = version.value.trim();
+    let mut parts = text.split('.').map(str::parse::<u32>);
+    let major = parts.next().and_then(Result::ok).filter(|_| parts.all(|p| p.is_ok()));
+    if major.is_none() {
+        report.error(version.value_at, format!("`{text}` is not a version: expected one such as 3.0.0"));
     }
+    major
 }
 
 struct Reader<'a> {
@@ -255,6 +250,10 @@ impl Reader<'_> {
                 }
                 continue;
             }
+            if c.tag == "alias" {
+                self.alias(c);
+                continue;
+            }
             let Some(p) = self.property(c) else {
                 broken = true;
                 continue;
@@ -271,6 +270,25 @@ impl Reader<'_> {
             properties.push(p);
         }
         (properties, broken)
+    }
+
+    /// `<alias id="a" as="b"/>`: another id of an object that stands before it.
+    fn alias(&mut self, e: &Element) {
+        e.expect_attributes(&["id", "as"], self.report);
+        e.expect_no_children(self.report);
+        let (Some(id), Some(other)) = (e.required("id", self.report), e.required("as", self.report)) else { return };
+        let Some(object) = self.ids.get(&id.value).copied() else {
+            let help = match nearest(&id.value, self.ids.keys().map(String::as_str)) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => "write the <alias> after the object".into(),
+            };
+            self.report.error_help(id.value_at, format!("no object before here has the id `{}`", id.value), help);
+            return;
+        };
+        if let Some(first) = self.ids.insert(other.value.clone(), object) {
+            let place = self.report.place(self.objects[first.0].at);
+            self.report.error(other.value_at, format!("the id `{}` is given twice (first at {place})", other.value));
+        }
     }
 
     fn property(&mut self, e: &Element) -> Option<Property> {
@@ -318,8 +336,12 @@ impl Reader<'_> {
                 None
             }
             "spectrum" => self.simple(e, |a| value::parse(a, report, value::spectrum).map(Value::Spectrum)),
-            "include" | "path" | "alias" | "resources" => {
-                report.error(e.at, format!("<{}> is not supported yet", e.tag));
+            "srgb" => {
+                report.error_help(
+                    e.at,
+                    "<srgb> is no element of a Mitsuba 3 scene",
+                    "write the linear colour as <rgb>",
+                );
                 None
             }
             other => {

@@ -54,7 +54,7 @@ pub struct Loaded {
     pub scene: Scene,
     /// What is legal and yet worth knowing, each with its place.
     pub warnings: Vec<String>,
-    /// Every file that was read: the scene's first, then meshes and images in the order in which it names them.
+    /// Every file that was read: the scene's first, then those it includes, then meshes and images in the order in which it names them.
     pub files: Vec<PathBuf>,
 }
 
@@ -91,12 +91,15 @@ pub fn parse(text: &str, path: &Path, base_dir: &Path, options: &LoadOptions) ->
     let mut report = Report::default();
     let source = report.add_source(path, text.to_owned());
     let mut defines = xml::Defines::new(&options.defines);
-    let loaded = xml::read(&report, source, &mut defines).and_then(|root| {
-        let document = document::Document::read(&root, &report)?;
+    let mut folders = xml::Folders::new(base_dir, path);
+    let mut reading = xml::Reading { report: &mut report, defines: &mut defines, folders: &mut folders };
+    let root = xml::read(&mut reading, source);
+    let loaded = root.and_then(|root| {
+        let document = document::Document::read(root, &report)?;
         defines.report_unused(&report);
-        let assets = assets::Assets::read(&document, base_dir);
+        let assets = assets::Assets::read(&document, &folders);
         let mut loaded = build::build(&document, &report, &assets, options)?;
-        loaded.files = assets.paths;
+        loaded.files = folders.included.iter().chain(&assets.paths).cloned().collect();
         Some(loaded)
     });
     match loaded {

@@ -230,14 +230,16 @@ pub(crate) fn refuse_singular(m: &DAffine3, at: At, report: &Report) -> Option<D
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::xml::{Defines, read};
+    use crate::xml::{Defines, Folders, Reading, read};
     use manylight_math::DVec3;
     use std::path::Path;
 
     fn of(children: &str) -> (Option<DAffine3>, String) {
         let mut report = Report::default();
         let source = report.add_source(Path::new("t"), format!("<transform>{children}</transform>"));
-        let element = read(&report, source, &mut Defines::new(&[])).expect("well-formed");
+        let (mut defines, mut folders) = (Defines::new(&[]), Folders::new(Path::new("."), Path::new("t")));
+        let mut reading = Reading { report: &mut report, defines: &mut defines, folders: &mut folders };
+        let element = read(&mut reading, source).expect("well-formed");
         (transform(&element, &report), report.errors().to_string())
     }
     fn rows(m: DAffine3) -> [[f64; 4]; 3] {

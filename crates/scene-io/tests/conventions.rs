@@ -313,3 +313,112 @@ fn a_directional_emitter_shines_along_z_of_its_transform() {
     let emission = loaded.scene.sample_emission(&mut stream).expect("light");
     assert!((emission.ray.dir.as_dvec3() - DVec3::X).length() < 1e-6, "{:?}", emission.ray.dir);
 }
+
+#[test]
+fn cylinders_are_mitsubas() {
+    let cylinder = |inner: &str| scene(&format!("<shape type=\"cylinder\">{inner}</shape>"));
+    let ray = ([3., 0.2, 0.3], [-1., 0.1, 0.05]);
+    check_hit("plain", &cylinder(""), ray, [0.912653, 0.408735, 0.], [0.0670149, 0.404367]);
+    let flipped = cylinder("<boolean name=\"flip_normals\" value=\"true\"/>");
+    check_hit("flipped", &flipped, ray, [-0.912653, -0.408735, 0.], [0.0670149, 0.404367]);
+    let between = "<point name=\"p0\" value=\"0.5,-1,0\"/><point name=\"p1\" value=\"0.1,1,0.3\"/><float name=\"radius\" value=\"0.4\"/>";
+    let (from_right, from_left) = (([3., 0.2, 0.3], [-1., -0.05, -0.05]), ([-3., 0.2, 0.3], [1., -0.05, -0.05]));
+    check_hit("between", &cylinder(between), from_right, [0.979569, 0.183604, 0.0820629], [0.0182, 0.50552]);
+    check_hit("behind", &cylinder(between), from_left, [-0.980978, -0.19098, -0.0347682], [0.525822, 0.566168]);
+    let moved = "<transform name=\"to_world\"><rotate z=\"1\" angle=\"30\"/><scale value=\"2\"/><translate x=\"0.2\"/></transform>";
+    let ray = ([6., 0.2, 0.3], [-1., -0.05, -0.02]);
+    check_hit("moved", &cylinder(&[between, moved].concat()), ray, [0.75702, 0.645635, 0.10038], [0.0152408, 0.234194]);
+}
+
+#[test]
+fn instances_are_mitsubas() {
+    let group = "<shape type=\"shapegroup\" id=\"g\"><shape type=\"cube\"><transform name=\"to_world\"><scale value=\"0.5\"/></transform></shape>\
+                 <shape type=\"rectangle\"><transform name=\"to_world\"><translate z=\"1\"/></transform></shape></shape>\
+                 <shape type=\"instance\"><ref id=\"g\"/><transform name=\"to_world\"><rotate y=\"1\" angle=\"40\"/><scale x=\"2\"/>\
+                 <translate x=\"0.3\"/></transform></shape>";
+    let loaded = scene(group);
+    check_hit("rectangle", &loaded, ([0.5, 0.2, 5.], [0.02, 0.01, -1.]), [0.38688, 0., 0.92213], [0.170592, 0.619052]);
+    check_hit("cube", &loaded, ([0.4, -5., 0.1], [0., 1., 0.]), [0., -1., 0.], [0.608744, 0.474023]);
+    // The group itself shows nowhere.
+    assert_eq!(loaded.scene.geometry().shapes().len(), 2);
+}
+
+#[test]
+fn old_files_are_read_as_mitsuba_upgrades_them() {
+    let text = "<scene version=\"0.6.0\"><sensor type=\"perspective\"><string name=\"fovAxis\" value=\"x\"/><float name=\"fov\" value=\"30\"/>\
+                <transform name=\"toWorld\"><lookAt origin=\"0,0,5\" target=\"0,0,0\" up=\"0,1,0\"/></transform></sensor>\
+                <shape type=\"rectangle\"><bsdf type=\"diffuse\"><texture name=\"diffuseReflectance\" type=\"bitmap\">\
+                <string name=\"filename\" value=\"colours.png\"/><string name=\"filterType\" value=\"nearest\"/>\
+                <float name=\"uscale\" value=\"2\"/><float name=\"vscale\" value=\"3\"/><float name=\"uoffset\" value=\"0.1\"/>\
+                </texture></bsdf></shape></scene>";
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/oracle");
+    let options = LoadOptions::default();
+    let old = parse(text, Path::new("t.xml"), &folder, &options).unwrap_or_else(|e| panic!("{e}"));
+    assert!(old.warnings.iter().any(|w| w.contains("older than Mitsuba 2")), "{:?}", old.warnings);
+    // mitsuba 3.9.1: `to_uv` is [[2, 0, 0.2], [0, 3, 0]], here written out.
+    let new = text
+        .replace("0.6.0", "3.0.0")
+        .replace("fovAxis", "fov_axis")
+        .replace("toWorld", "to_world")
+        .replace("lookAt", "lookat")
+        .replace("diffuseReflectance", "reflectance")
+        .replace("filterType", "filter_type");
+    let (start, end) = (new.find("<float name=\"uscale").unwrap(), new.find("</texture>").unwrap());
+    let matrix = "<transform name=\"to_uv\"><matrix value=\"2 0 0 0.2 0 3 0 0 0 0 1 0 0 0 0 1\"/></transform>";
+    let new = [&new[..start], matrix, &new[end..]].concat();
+    let new = parse(&new, Path::new("t.xml"), &folder, &options).unwrap_or_else(|e| panic!("{e}"));
+    let at = |loaded: &Loaded, x: f32| {
+        let ray = Ray::new(Vec3::new(x, 0.3, 3.0), Vec3::NEG_Z);
+        loaded.scene.intersect(&ray, Mode::Radiance).unwrap().eval(Vec3::Z)
+    };
+    for i in 0..20 {
+        let x = -0.95 + 0.1 * i as f32;
+        assert_eq!(at(&old, x), at(&new, x));
+    }
+}
+
+#[test]
+fn included_files_and_further_folders_are_read_as_if_they_stood_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    };
+    let oracle = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/oracle/colours.png");
+    std::fs::create_dir(folder.path().join("textures")).unwrap();
+    std::fs::copy(oracle, folder.path().join("textures/colours.png")).unwrap();
+    write(
+        "parts/wood.xml",
+        "<bsdf version=\"3.0.0\" type=\"diffuse\" id=\"wood\"><texture type=\"bitmap\" name=\"reflectance\"><string name=\"filename\" value=\"colours.png\"/></texture></bsdf>",
+    );
+    write(
+        "parts/lamp.xml",
+        "<scene version=\"3.0.0\"><default name=\"power\" value=\"2\"/><emitter type=\"point\"><rgb name=\"intensity\" value=\"$power\"/></emitter></scene>",
+    );
+    let main = |more: &str| {
+        let body = "<path value=\"textures\"/><include filename=\"parts/wood.xml\"/><alias id=\"wood\" as=\"oak\"/><default name=\"part\" value=\"lamp\"/><include filename=\"parts/$part.xml\"/>";
+        let text = format!(
+            "<scene version=\"3.0.0\">{body}<sensor type=\"perspective\"/><shape type=\"sphere\"><float name=\"radius\" value=\"$power\"/><ref id=\"oak\"/></shape>{more}</scene>"
+        );
+        write("main.xml", &text);
+        manylight_scene_io::load(&folder.path().join("main.xml"), &LoadOptions::default())
+    };
+    let loaded = main("").unwrap_or_else(|e| panic!("{e}"));
+    let names: Vec<_> = loaded.files.iter().map(|f| f.file_name().unwrap().to_str().unwrap()).collect();
+    assert_eq!(names, ["main.xml", "wood.xml", "lamp.xml", "colours.png"]);
+    assert!((loaded.scene.bounds().hi.x - 2.0).abs() < 1e-6 && loaded.scene.emitters().len() == 1);
+    // Mistakes are at their place in their file, and files that include each other are one.
+    write(
+        "parts/lamp.xml",
+        "<scene version=\"3.0.0\"><default name=\"power\" value=\"2\"/>\n<emitter type=\"pont\"/></scene>",
+    );
+    let message = main("").unwrap_err().to_string();
+    assert!(message.contains("lamp.xml:2:16: there is no emitter `pont`"), "{message}");
+    write(
+        "parts/lamp.xml",
+        "<scene version=\"3.0.0\"><default name=\"power\" value=\"2\"/><include filename=\"main.xml\"/></scene>",
+    );
+    let message = main("").unwrap_err().to_string();
+    assert!(message.contains("`main.xml` includes itself"), "{message}");
+}

@@ -29,6 +29,7 @@ mod camera;
 mod emitter;
 mod environment;
 mod filter;
+mod mask;
 mod material;
 mod media;
 mod relief;

@@ -117,6 +117,15 @@ pub enum Model {
         /// What scatters.
         model: Box<Model>,
     },
+    /// A rough conductor or dielectric whose roughness is looked up.
+    Roughened {
+        /// Roughness along the tangent; the luminance counts.
+        alpha_u: Source,
+        /// Roughness along the bitangent.
+        alpha_v: Source,
+        /// What is made rough; its own roughness means nothing.
+        model: Box<Model>,
+    },
     /// One of two models at each point: the second with the probability `weight`.
     Blend {
         /// The luminance counts, between 0 and 1.
@@ -182,7 +191,7 @@ impl Model {
     /// All models without relief that it may become.
     pub(crate) fn leaves(&self) -> Vec<&Model> {
         match self {
-            Model::Relief { model, .. } => model.leaves(),
+            Model::Relief { model, .. } | Model::Roughened { model, .. } => model.leaves(),
             Model::Blend { models, .. } => models.iter().flat_map(Model::leaves).collect(),
             leaf => vec![leaf],
         }
@@ -193,6 +202,10 @@ impl Model {
         match self {
             Model::Relief { model, .. } => model.resolve(textures, uv),
             Model::Blend { models, .. } => models[0].resolve(textures, uv),
+            Model::Roughened { alpha_u, alpha_v, model } => {
+                let rough = [at(alpha_u), at(alpha_v)].map(|alpha| alpha.luminance().max(0.0));
+                model.with_alpha(rough).resolve(textures, uv)
+            }
             Model::Diffuse { reflectance } => Diffuse::new(at(reflectance)).into(),
             Model::Conductor { eta, k, reflectance } => Conductor::new(*eta, *k, at(reflectance)).into(),
             Model::RoughConductor { distribution, alpha_u, alpha_v, eta, k, reflectance } => {
@@ -216,6 +229,16 @@ impl Model {
             }
         }
     }
+    /// With another roughness, if it has one.
+    fn with_alpha(&self, [u, v]: [f32; 2]) -> Model {
+        let mut model = self.clone();
+        match &mut model {
+            Model::RoughConductor { alpha_u, alpha_v, .. } => (*alpha_u, *alpha_v) = (u, v),
+            Model::RoughDielectric { alpha, .. } => *alpha = (u, v),
+            _ => {}
+        }
+        model
+    }
     /// The textures that it names.
     pub(crate) fn textures(&self) -> Vec<TextureId> {
         let of = |sources: &[&Source]| {
@@ -233,6 +256,7 @@ impl Model {
                 of(&[diffuse, specular])
             }
             Model::Relief { relief, model, .. } => [vec![relief.texture()], model.textures()].concat(),
+            Model::Roughened { alpha_u, alpha_v, model } => [of(&[alpha_u, alpha_v]), model.textures()].concat(),
             Model::Blend { weight, models } => [of(&[weight]), models[0].textures(), models[1].textures()].concat(),
         }
     }

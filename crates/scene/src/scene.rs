@@ -1,5 +1,6 @@
 //! Everything that is rendered, and the questions that light transport asks of it.
 
+use crate::mask::coin;
 use crate::material::Resolved;
 use crate::media::{Boundaries, Media};
 use crate::relief::Seen;
@@ -257,9 +258,9 @@ impl SceneBuilder {
 }
 
 /// A shape without its geometry, which lives in `Geometry`.
-struct Placed {
+pub(crate) struct Placed {
     name: String,
-    material: MaterialId,
+    pub(crate) material: MaterialId,
     radiance: Option<Source>,
     emitter: u32,
 }
@@ -268,10 +269,10 @@ struct Placed {
 pub struct Scene {
     /// None of it, where there is no medium.
     media: Option<Box<Media>>,
-    geometry: Geometry,
-    shapes: Vec<Placed>,
-    materials: Vec<Material>,
-    textures: Vec<Texture>,
+    pub(crate) geometry: Geometry,
+    pub(crate) shapes: Vec<Placed>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) textures: Vec<Texture>,
     emitters: Emitters,
     camera: Camera,
     filter: Filter,
@@ -279,7 +280,7 @@ pub struct Scene {
     rr_depth: Option<u32>,
     delta_lobes: bool,
     /// Is any shape not all there?
-    masked: bool,
+    pub(crate) masked: bool,
 }
 
 impl Scene {
@@ -374,53 +375,6 @@ impl Scene {
             (None, None) => None,
         };
         (vertex, weight)
-    }
-    /// The first surface along a ray that is there. Where only a part of one is, a coin decides, a function of the ray and the
-    /// hit: the same ray always meets the same.
-    fn first(&self, ray: &Ray) -> Option<Hit> {
-        let mut hit = self.geometry.intersect(ray)?;
-        if !self.masked {
-            return Some(hit);
-        }
-        let (mut rest, mut passed) = (*ray, 0.0);
-        loop {
-            let opacity = self.opacity(&rest, &hit);
-            if opacity >= 1.0 || coin(&rest, &hit, 0) < opacity {
-                return Some(Hit { t: passed + hit.t, ..hit });
-            }
-            rest = self.beyond(&rest, &hit);
-            passed = (rest.origin - ray.origin).dot(ray.dir);
-            hit = self.geometry.intersect(&rest)?;
-        }
-    }
-    /// The fraction of a surface that is there.
-    fn opacity(&self, ray: &Ray, hit: &Hit) -> f32 {
-        match &self.materials[self.shapes[hit.shape as usize].material.0 as usize].opacity {
-            None => 1.0,
-            Some(Source::Constant(c)) => c.luminance(),
-            Some(texture) => texture.at(&self.textures, self.geometry.surface(ray, hit).uv).luminance(),
-        }
-    }
-    /// What is left of a ray behind a surface.
-    fn beyond(&self, ray: &Ray, hit: &Hit) -> Ray {
-        let x = self.geometry.surface(ray, hit);
-        let origin = offset_from(x.p, x.ng, x.error, ray.dir);
-        Ray { origin, t_max: ray.t_max - (origin - ray.origin).dot(ray.dir), ..*ray }
-    }
-    /// The fraction of light that surfaces let through along a segment: the product of what is not there of each.
-    fn clearance(&self, ray: &Ray) -> f32 {
-        if !self.masked {
-            return if self.geometry.occluded(ray) { 0.0 } else { 1.0 };
-        }
-        let (mut rest, mut clear) = (*ray, 1.0);
-        while let Some(hit) = self.geometry.intersect(&rest) {
-            clear *= 1.0 - self.opacity(&rest, &hit).clamp(0.0, 1.0);
-            if clear <= 0.0 {
-                return 0.0;
-            }
-            rest = self.beyond(&rest, &hit);
-        }
-        clear
     }
     /// The surface at a hit; `medium` is what the ray arrived through.
     fn vertex_at(&self, ray: &Ray, hit: &Hit, mode: Mode, medium: MediumId) -> Vertex {
@@ -560,20 +514,6 @@ impl Scene {
 /// A ray up to a surface, and not beyond: a boundary that coincides with the surface is not crossed.
 fn until(ray: &Ray, t: f32) -> Ray {
     Ray { t_max: t * (1.0 - 4.0 * f32::EPSILON), ..*ray }
-}
-
-/// A number in [0, 1) that is a function of a ray and what it meets, and as good as random over rays.
-fn coin(ray: &Ray, hit: &Hit, purpose: u32) -> f32 {
-    let [o, d] = [ray.origin, ray.dir].map(|v| v.to_array().map(f32::to_bits));
-    let words = [o[0], o[1], o[2], d[0], d[1], d[2], hit.t.to_bits(), hit.shape, hit.triangle, purpose];
-    // SplitMix64's mixing after each word.
-    let mixed = words.iter().fold(0u64, |state, word| {
-        let z = (state ^ u64::from(*word)).wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    });
-    (mixed >> 40) as f32 * (1.0 / (1u64 << 24) as f32)
 }
 
 struct Fnv(u64);

@@ -7,7 +7,7 @@ use crate::ior;
 use crate::query::Query;
 use manylight_bsdf::{Distribution, RoughTransmittance};
 use manylight_math::Spectrum;
-use manylight_scene::{Material, MaterialId, Model, Relief};
+use manylight_scene::{Material, MaterialId, Model, Relief, Source};
 
 /// More BSDFs than any blend has.
 const MOST_CHOICES: usize = 64;
@@ -247,10 +247,16 @@ impl<'a> Builder<'a> {
             }
             "roughconductor" => {
                 let (eta, k) = self.conductor_index(&q);
-                let (alpha_u, alpha_v) = self.anisotropic_alpha(&q);
                 let distribution = distribution(&q);
                 let reflectance = self.source(&q, "specular_reflectance", 1.0, white);
-                Model::RoughConductor { distribution, alpha_u, alpha_v, eta, k, reflectance }
+                self.roughened(&q, |alpha_u, alpha_v| Model::RoughConductor {
+                    distribution,
+                    alpha_u,
+                    alpha_v,
+                    eta,
+                    k,
+                    reflectance,
+                })
             }
             "dielectric" => {
                 let (int_ior, ext_ior) = self.dielectric_index(&q, "bk7");
@@ -266,7 +272,6 @@ impl<'a> Builder<'a> {
             }
             "roughdielectric" => {
                 let (int_ior, ext_ior) = self.dielectric_index(&q, "bk7");
-                let alpha = self.anisotropic_alpha(&q);
                 let distribution = distribution(&q);
                 let reflectance = self.source(&q, "specular_reflectance", 1.0, white);
                 let transmittance = self.source(&q, "specular_transmittance", 1.0, white);
@@ -274,7 +279,10 @@ impl<'a> Builder<'a> {
                     q.error(format!("`int_ior` and `ext_ior` of {} must differ", q.name()));
                     return None;
                 }
-                Model::RoughDielectric { distribution, alpha, int_ior, ext_ior, reflectance, transmittance }
+                self.roughened(&q, |u, v| {
+                    let alpha = (u, v);
+                    Model::RoughDielectric { distribution, alpha, int_ior, ext_ior, reflectance, transmittance }
+                })
             }
             "plastic" => {
                 let (int_ior, ext_ior) = self.dielectric_index(&q, "polypropylene");
@@ -307,14 +315,9 @@ impl<'a> Builder<'a> {
 
     /// Roughness; as in Mitsuba at least 1e-4.
     fn alpha(&self, q: &Query, name: &'static str) -> f32 {
-        if let Some(Value::Object(id)) = q.object.value(name)
-            && self.document.object(*id).class == Class::Texture
-        {
-            q.ignore(&[name]);
-            self.report.error(
-                self.document.object(*id).at,
-                format!("`{name}` as a texture is not supported yet: write a <float>"),
-            );
+        if self.texture_of(q, name).is_some() {
+            let at = q.get(name).map_or(q.object.at, |p| p.at);
+            self.report.error(at, format!("`{name}` of {} cannot be a texture: write a <float>", q.name()));
             return 0.1;
         }
         match q.float_at(name) {
@@ -326,20 +329,42 @@ impl<'a> Builder<'a> {
             None => 0.1,
         }
     }
+    /// The texture that a property is.
+    fn texture_of(&self, q: &Query, name: &'static str) -> Option<ObjectId> {
+        match q.object.value(name) {
+            Some(Value::Object(id)) if self.document.object(*id).class == Class::Texture => Some(*id),
+            _ => None,
+        }
+    }
+    /// Roughness that may be a texture; the number is that of a constant.
+    fn alpha_source(&mut self, q: &Query<'a>, name: &'static str) -> (f32, Source) {
+        match self.texture_of(q, name) {
+            Some(_) => (0.1, self.source(q, name, 0.1, Range::Any)),
+            None => {
+                let alpha = self.alpha(q, name);
+                (alpha, Self::gray(alpha))
+            }
+        }
+    }
 
-    fn anisotropic_alpha(&self, q: &Query) -> (f32, f32) {
-        match (q.has("alpha_u"), q.has("alpha_v")) {
+    /// A model made of both roughnesses.
+    fn roughened(&mut self, q: &Query<'a>, model: impl FnOnce(f32, f32) -> Model) -> Model {
+        let ((u, source_u), (v, source_v)) = match (q.has("alpha_u"), q.has("alpha_v")) {
             (false, false) => {
-                let alpha = self.alpha(q, "alpha");
+                let alpha = self.alpha_source(q, "alpha");
                 q.ignore(&["alpha_u", "alpha_v"]);
                 (alpha, alpha)
             }
-            (true, true) if !q.has("alpha") => (self.alpha(q, "alpha_u"), self.alpha(q, "alpha_v")),
+            (true, true) if !q.has("alpha") => (self.alpha_source(q, "alpha_u"), self.alpha_source(q, "alpha_v")),
             _ => {
                 q.ignore(&["alpha", "alpha_u", "alpha_v"]);
                 q.error("give `alpha`, or both `alpha_u` and `alpha_v`");
-                (0.1, 0.1)
+                ((0.1, Self::gray(0.1)), (0.1, Self::gray(0.1)))
             }
+        };
+        match (source_u, source_v) {
+            (Source::Constant(_), Source::Constant(_)) => model(u, v),
+            (alpha_u, alpha_v) => Model::Roughened { alpha_u, alpha_v, model: Box::new(model(u, v)) },
         }
     }
 

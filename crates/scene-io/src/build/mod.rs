@@ -38,7 +38,7 @@ const INTEGRATORS: [&str; 14] = [
 pub(crate) struct Builder<'a> {
     document: &'a Document,
     report: &'a Report,
-    assets: &'a Assets,
+    assets: &'a Assets<'a>,
     options: &'a LoadOptions,
     scene: SceneBuilder,
     materials: HashMap<ObjectId, Option<MaterialId>>,
@@ -51,7 +51,12 @@ pub(crate) struct Builder<'a> {
 }
 
 /// Builds everything; what is wrong goes into the report, `None` is returned then.
-pub(crate) fn build(document: &Document, report: &Report, assets: &Assets, options: &LoadOptions) -> Option<Loaded> {
+pub(crate) fn build(
+    document: &Document,
+    report: &Report,
+    assets: &Assets<'_>,
+    options: &LoadOptions,
+) -> Option<Loaded> {
     let mut b = Builder {
         document,
         report,

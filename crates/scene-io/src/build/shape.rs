@@ -7,24 +7,16 @@ use crate::document::{Class, ObjectId, refuse_plugin};
 use crate::mesh::{self, Placement, RawMesh};
 use crate::query::Query;
 use manylight_geometry::{Disk, ShapeGeometry, Sphere, TriangleMesh};
-use manylight_math::{DAffine3, DVec3, Frame};
+use manylight_math::{DAffine3, DVec3, Frame, Vec2};
 use manylight_scene::{Boundary, MaterialId, Shape, Sides, Source};
 use rayon::prelude::*;
 
-const SHAPES: [&str; 6] = ["obj", "ply", "rectangle", "cube", "sphere", "disk"];
-const MITSUBA: [&str; 11] = [
-    "cylinder",
-    "serialized",
-    "shapegroup",
-    "instance",
-    "bsplinecurve",
-    "linearcurve",
-    "sdfgrid",
-    "merge",
-    "ellipsoids",
-    "ellipsoidsmesh",
-    "mesh",
-];
+const SHAPES: [&str; 9] = ["obj", "ply", "rectangle", "cube", "sphere", "disk", "cylinder", "shapegroup", "instance"];
+const MITSUBA: [&str; 8] =
+    ["serialized", "bsplinecurve", "linearcurve", "sdfgrid", "merge", "ellipsoids", "ellipsoidsmesh", "mesh"];
+
+/// Instances are copied out: more triangles than this are more than they are meant for.
+const MOST_TRIANGLES: usize = 200_000_000;
 
 /// A shape that is read, but whose mesh is not yet placed.
 struct Plan<'a> {
@@ -48,7 +40,23 @@ impl<'a> Builder<'a> {
         if shapes.is_empty() && !scene.object.broken {
             self.report.error(scene.object.at, "the scene has no shapes");
         }
-        let plans: Vec<Plan> = shapes.iter().filter_map(|(id, _)| self.plan(*id)).collect();
+        let mut plans: Vec<Plan> = Vec::new();
+        let mut triangles = 0;
+        for (id, p) in &shapes {
+            let first = plans.len();
+            match self.document.object(*id).plugin.as_str() {
+                // What is in it shows where there are instances; its mistakes count in any case.
+                "shapegroup" => drop(self.group(*id, &DAffine3::IDENTITY)),
+                "instance" => plans.extend(self.instance(*id)),
+                _ => plans.extend(self.plan(*id, &DAffine3::IDENTITY)),
+            }
+            triangles += plans[first..].iter().map(|p| p.geometry.triangles()).sum::<usize>();
+            if triangles > MOST_TRIANGLES {
+                let message = format!("more than {MOST_TRIANGLES} triangles, as every instance is a copy");
+                self.report.error(p.at, message);
+                return;
+            }
+        }
         let placed: Vec<_> = plans.par_iter().map(|p| p.geometry.place()).collect();
         for (plan, placed) in plans.into_iter().zip(placed) {
             self.place(plan, placed);
@@ -89,7 +97,49 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn plan(&mut self, id: ObjectId) -> Option<Plan<'a>> {
+    /// The shapes of a `shapegroup`, moved by `outer`.
+    fn group(&mut self, id: ObjectId, outer: &DAffine3) -> Vec<Plan<'a>> {
+        let q = self.query(id);
+        let members = q.children(Class::Shape);
+        if members.is_empty() && !q.object.broken {
+            q.error("a `shapegroup` needs shapes inside it");
+        }
+        q.finish();
+        let mut plans = Vec::new();
+        for (member, p) in members {
+            let object = self.document.object(member);
+            if matches!(object.plugin.as_str(), "shapegroup" | "instance") {
+                self.report.error(p.at, format!("a `shapegroup` cannot hold `{}`", object.plugin));
+            } else if object.properties.iter().any(|p| self.class_of(&p.value) == Some(Class::Emitter)) {
+                self.report.error(p.at, "a shape inside a `shapegroup` cannot shine: write it beside the group");
+            } else {
+                plans.extend(self.plan(member, outer));
+            }
+        }
+        plans
+    }
+    fn instance(&mut self, id: ObjectId) -> Vec<Plan<'a>> {
+        let q = self.query(id);
+        let (to_world, _) = q.to_world();
+        let group = q.child(Class::Shape);
+        let is_group = group.is_some_and(|g| self.document.object(g).plugin == "shapegroup");
+        if !is_group && !q.object.broken {
+            q.error("an `instance` needs a reference to a `shapegroup`");
+        }
+        q.finish();
+        match group {
+            Some(group) if is_group => self.group(group, &to_world),
+            _ => Vec::new(),
+        }
+    }
+    fn class_of(&self, value: &crate::document::Value) -> Option<Class> {
+        match value {
+            crate::document::Value::Object(id) => Some(self.document.object(*id).class),
+            _ => None,
+        }
+    }
+
+    fn plan(&mut self, id: ObjectId, outer: &DAffine3) -> Option<Plan<'a>> {
         let q = self.query(id);
         if !SHAPES.contains(&q.object.plugin.as_str()) {
             refuse_plugin(q.object, &SHAPES, &MITSUBA, self.report);
@@ -114,7 +164,7 @@ impl<'a> Builder<'a> {
             q.error("a shape whose BSDF is a `mask` cannot shine here: take the mask or the emitter out");
         }
         let sides = self.sides(&q);
-        let geometry = self.geometry(&q);
+        let geometry = self.geometry(&q, outer);
         let file = match q.object.value("filename") {
             Some(crate::document::Value::Text(file)) => Some(file.clone()),
             _ => None,
@@ -124,8 +174,9 @@ impl<'a> Builder<'a> {
         Some(Plan { name, geometry: geometry?, material: material?, radiance, sides })
     }
 
-    fn geometry(&mut self, q: &Query<'a>) -> Option<Planned<'a>> {
+    fn geometry(&mut self, q: &Query<'a>, outer: &DAffine3) -> Option<Planned<'a>> {
         let (to_world, at) = q.to_world();
+        let to_world = *outer * to_world;
         let flip_normals = q.boolean("flip_normals", false);
         let ready = match q.object.plugin.as_str() {
             "rectangle" => flat_faced(TriangleMesh::rectangle(&to_world), &to_world, flip_normals),
@@ -141,6 +192,15 @@ impl<'a> Builder<'a> {
                     return None;
                 };
                 ShapeGeometry::Sphere(sphere)
+            }
+            "cylinder" => {
+                let [p0, p1] =
+                    [("p0", DVec3::ZERO), ("p1", DVec3::Z)].map(|(n, default)| q.point(n).unwrap_or(default));
+                let Some(mesh) = cylinder(p0, p1, q.positive("radius", 1.0), &to_world) else {
+                    q.error("`p0` and `p1` of a cylinder must not be the same point");
+                    return None;
+                };
+                flat_faced(mesh, &to_world, flip_normals)
             }
             "disk" => {
                 let Some(disk) = disk(&to_world, flip_normals) else {
@@ -169,6 +229,13 @@ impl<'a> Builder<'a> {
 }
 
 impl Planned<'_> {
+    fn triangles(&self) -> usize {
+        match self {
+            Planned::Ready(ShapeGeometry::Mesh(mesh), _) => mesh.triangles.len(),
+            Planned::Ready(..) => 1,
+            Planned::Mesh(raw, ..) => raw.triangles.len(),
+        }
+    }
     /// The geometry, if any of it has an area, and how many triangles were dropped.
     fn place(&self) -> Result<(Option<ShapeGeometry>, usize), String> {
         match self {
@@ -186,6 +253,30 @@ fn flat_faced(mut mesh: TriangleMesh, to_world: &DAffine3, flip_normals: bool) -
         mesh.flip_normals();
     }
     ShapeGeometry::Mesh(mesh)
+}
+
+/// An open cylinder, as a mesh of its normals and texture coordinates (u around, v along): no farther than 2e-5 radii from it.
+fn cylinder(p0: DVec3, p1: DVec3, radius: f64, to_world: &DAffine3) -> Option<TriangleMesh> {
+    const SIDES: u32 = 512;
+    let axis = (p1 - p0).try_normalize()?;
+    let frame = Frame::around(axis.as_vec3());
+    let mut mesh = TriangleMesh::default();
+    for i in 0..=SIDES {
+        let u = f64::from(i) / f64::from(SIDES);
+        let (sin, cos) = (u * std::f64::consts::TAU).sin_cos();
+        let out = frame.s.as_dvec3() * cos + frame.t.as_dvec3() * sin;
+        for (v, end) in [(0.0, p0), (1.0, p1)] {
+            mesh.positions.push((end + out * radius).as_vec3());
+            mesh.normals.push(out.as_vec3());
+            mesh.uvs.push(Vec2::new(u as f32, v));
+        }
+        if i < SIDES {
+            let a = 2 * i;
+            mesh.triangles.extend([[a, a + 2, a + 1], [a + 1, a + 2, a + 3]]);
+        }
+    }
+    mesh.transform(to_world);
+    Some(mesh)
 }
 
 /// The unit vectors along the axes of a transform; left-handed if it mirrors.
