@@ -148,6 +148,12 @@ fn all_ways_to_trace_a_ray_agree() {
                 assert_eq!(bits(hit), bits(&portable), "{ray:?}");
                 assert_eq!(*occluded, geometry.occluded(ray), "{ray:?}");
                 assert_eq!(*occluded, hit.is_some(), "{ray:?}");
+                if let Some(hit) = hit {
+                    // Its end is not part of a ray.
+                    let short = Ray { t_max: hit.t, ..*ray };
+                    assert!(!geometry.occluded(&short) && geometry.intersect(&short).is_none(), "{ray:?}");
+                    assert!(geometry.occluded(&Ray { t_max: hit.t.next_up(), ..*ray }), "{ray:?}");
+                }
                 let (expected, margin) = oracle.intersect(ray);
                 // Where f64 itself comes within f32's precision of an edge, either answer is right.
                 if margin < 5e-7 {

@@ -444,4 +444,35 @@ mod tests {
         #[cfg(target_arch = "x86_64")]
         super::super::avx2::Avx2::detect().map(same_as_singly);
     }
+
+    /// Rays by the edges of a small triangle: what the triangle test takes for a hit, the box test lets through.
+    #[test]
+    fn a_triangle_that_is_hit_has_a_box_that_is_entered() {
+        let (l, mut s) = (Portable, Stream::new(9, [0; 3], Purpose::TEST));
+        let mut hits = 0;
+        for k in 0..200_000 {
+            let mut point = || Vec3::new(s.next_f32(), s.next_f32(), s.next_f32());
+            let (far, at) = ([0.0f32, 1.0, 100.0, 1e4][k % 4], point());
+            let origin = (point() - 0.5) * (2.0 * far + 1.0) + at;
+            // Level with an axis, the box is flat.
+            let axis = k % 3;
+            let corners = [(); 3].map(|_| {
+                let mut p = point() * 0.01 + at;
+                p[axis] = at[axis];
+                p
+            });
+            let target = if k % 2 == 0 { corners[0] } else { corners[0].lerp(corners[1], 0.3) };
+            let Some(dir) = (target - origin).try_normalize() else { continue };
+            let ray = Ray::new(origin, dir);
+            let Some((t, ..)) = ShearedRay::new(&ray).intersect(&corners, f32::INFINITY) else { continue };
+            let bounds = manylight_math::Aabb::around(corners);
+            let mut node = Node { planes: [[f32::NAN; WIDTH]; 6], children: [0; WIDTH] };
+            (0..3).for_each(|a| (node.planes[a][0], node.planes[a + 3][0]) = (bounds.lo[a], bounds.hi[a]));
+            let largest = bounds.lo.abs().max(bounds.hi.abs()).max_element();
+            let entered = Spread::new(l, &BoxRay::new(&ray, largest)).boxes(l, &node, l.splat(t * WIDER)).1 & 1;
+            assert!(entered == 1, "{ray:?} {corners:?} at {t}");
+            hits += 1;
+        }
+        assert!(hits > 50_000, "{hits}");
+    }
 }
