@@ -6,9 +6,8 @@
 //!
 //! All of them run on one thread. `cargo test` runs each once, and measures nothing.
 
-use manylight_geometry::{Geometry, GeometryError, ShapeGeometry, Surface, TriangleMesh, offset_from, shadow_segment};
-use manylight_math::{DAffine3, DMat3, DVec3, Frame, Ray, Spectrum, Vec2, Vec3};
-use manylight_sampling::{Purpose, Stream, warp};
+use manylight_geometry::{ShapeGeometry, TriangleMesh};
+use manylight_math::{DAffine3, DMat3, DVec3, Spectrum};
 use manylight_scene::{Camera, Material, Model, Scene, Shape, Source};
 use std::path::{Path, PathBuf};
 

@@ -21,8 +21,12 @@ pub struct RayKinds {
     pub shadow: Vec<Ray>,
     /// From a point of every 32nd pixel to the same 256 points on all surfaces, where those are in front.
     pub many_to_one: Vec<Ray>,
+    /// Those ends of these that are shared.
+    pub lights_of_many: Vec<Vec3>,
     /// From each of 64 points to points of neighbouring pixels.
     pub one_to_many: Vec<Ray>,
+    /// Those ends of these that are shared.
+    pub light_of_each: Vec<Vec3>,
 }
 
 impl RayKinds {
@@ -54,17 +58,17 @@ impl RayKinds {
             let towards = y.p - x.p;
             let facing = x.ng.dot(towards) > 0.0 && y.ng.dot(towards) < 0.0;
             let ends = ((x.p, Some((x.ng, x.error))), (y.p, Some((y.ng, y.error))));
-            if facing { shadow_segment(ends.0, ends.1) } else { None }
+            if facing { shadow_segment(ends.0, ends.1).map(|ray| (ray, y.p)) } else { None }
         };
         let some = seen.iter().step_by(32);
-        let many_to_one = some.flat_map(|x| lights.iter().filter_map(move |y| connect(x, y))).collect();
+        let (many_to_one, lights_of_many) = some.flat_map(|x| lights.iter().filter_map(move |y| connect(x, y))).unzip();
         // Blocks of 8 x 8 pixels.
         let block = |i: u32| (0..64).map(move |k| (i * 8 + k / 8, k % 8));
         let near = |i: u32| block(i).filter_map(|(y, x)| seen.get((y % side * side + x) as usize));
         let each = lights.iter().step_by(4);
-        let one_to_many =
-            each.flat_map(|y| (0..side / 8).flat_map(move |i| near(i).filter_map(move |x| connect(x, y)))).collect();
-        RayKinds { primary, bounce, shadow, many_to_one, one_to_many }
+        let (one_to_many, light_of_each) =
+            each.flat_map(|y| (0..side / 8).flat_map(move |i| near(i).filter_map(move |x| connect(x, y)))).unzip();
+        RayKinds { primary, bounce, shadow, many_to_one, lights_of_many, one_to_many, light_of_each }
     }
     /// Name, rays, and whether to ask only for occlusion.
     pub fn all(&self) -> [(&'static str, &[Ray], bool); 5] {

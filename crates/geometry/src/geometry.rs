@@ -2,7 +2,7 @@
 
 use crate::offset::error_bound;
 use crate::wide::{Met, Rounds, Solid, Wide};
-use crate::{Disk, MeshError, Simd, Sphere, TriangleMesh};
+use crate::{Disk, MeshError, Occluders, Simd, Sphere, TriangleMesh};
 use manylight_math::{Aabb, Ray, Vec2, Vec3};
 use std::collections::HashSet;
 
@@ -165,6 +165,12 @@ impl Geometry {
     /// Is anything in (0, t_max)? The direction must be unit.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.wide.any(ray, self.rounds(ray), |_| true)
+    }
+    /// Is anything in (0, t_max) of each of up to 64 rays, a bit for each? The same answers as of `occluded`, sooner. `shared` is
+    /// the end of each ray that later ones have too, such as the light's: what stopped one of them is tried first.
+    pub fn occluded_of(&self, rays: &[Ray], shared: &[Vec3], occluders: &mut Occluders) -> u64 {
+        assert!(rays.len() <= 64 && rays.len() == shared.len(), "up to 64 rays, and an end of each");
+        self.wide.any_of(rays, shared, occluders, |r, id, limit| self.rounds(&rays[r])(id, limit))
     }
     /// Is anything in (0, t_max) that `counts` says true of?
     pub fn occluded_where(&self, ray: &Ray, mut counts: impl FnMut(&Hit) -> bool) -> bool {

@@ -27,4 +27,4 @@ pub use geometry::{Geometry, GeometryError, Hit, ShapeGeometry, Surface};
 pub use mesh::{MeshError, TriangleMesh};
 pub use offset::{offset_from, shadow_segment};
 pub use round::{Disk, Sphere};
-pub use wide::Simd;
+pub use wide::{Occluders, Simd};

@@ -4,7 +4,7 @@
 //! MANYLIGHT_EFFORT=50 cargo test --release -p manylight-geometry --test agreement -- --nocapture      ten million rays
 //! ```
 
-use manylight_geometry::{Disk, Geometry, Hit, ShapeGeometry, Simd, Sphere, TriangleMesh};
+use manylight_geometry::{Disk, Geometry, Hit, Occluders, ShapeGeometry, Simd, Sphere, TriangleMesh};
 use manylight_math::{Aabb, DVec3, Frame, Ray, Vec3};
 use manylight_sampling::{Purpose, Stream, warp};
 use obvhs::bvh2::Bvh2;
@@ -119,7 +119,7 @@ fn aimed(s: &mut Stream, mesh: &TriangleMesh, scale: f32, at: Vec3, k: usize) ->
     }
     let d = target - from;
     let ray = Ray::new(from, d.try_normalize().unwrap_or(Vec3::X));
-    if k % 3 == 0 { Ray { t_max: d.length() * (0.5 + s.next_f32()), ..ray } } else { ray }
+    if k.is_multiple_of(3) { Ray { t_max: d.length() * (0.5 + s.next_f32()), ..ray } } else { ray }
 }
 
 fn bits(h: &Option<Hit>) -> Option<(u32, u32, u32, [u32; 2])> {
@@ -229,6 +229,37 @@ fn spheres_discs_and_triangles_share_a_tree() {
         hits += nearest.is_some() as usize;
     }
     assert!(hits > 500);
+}
+
+#[test]
+fn rays_that_go_together_are_stopped_as_alone() {
+    for scale in [1e-5f32, 1.0, 1e5] {
+        let mut s = Stream::new(7, [scale.to_bits() as u64, 0, 0], Purpose::TEST);
+        let mesh = rubble(&mut s, scale, Vec3::ZERO);
+        let ball = ShapeGeometry::Sphere(Sphere::new(Vec3::splat(0.5 * scale), 0.2 * scale));
+        let mut geometry = Geometry::build(vec![ShapeGeometry::Mesh(mesh.clone()), ball]).unwrap();
+        // Few ends, so that what stopped a ray is tried for others, whether it stops them or not.
+        let ends: Vec<Vec3> = (0..40).map(|_| Vec3::new(s.next_f32(), s.next_f32(), s.next_f32()) * scale).collect();
+        let mut occluders = Occluders::new();
+        let mut met = 0;
+        for k in 0..effort(600) {
+            geometry.set_simd(if k % 3 == 0 { Simd::Portable } else { Simd::Auto });
+            let n = 1 + s.next_below(64);
+            let shared: Vec<Vec3> = (0..n).map(|_| ends[s.next_below(ends.len())]).collect();
+            let mut rays: Vec<Ray> = (0..n).map(|i| aimed(&mut s, &mesh, scale, Vec3::ZERO, i)).collect();
+            for (ray, end) in rays.iter_mut().zip(&shared) {
+                if k % 2 == 0 {
+                    let d = ray.origin - *end;
+                    *ray = Ray { t_max: d.length(), ..Ray::new(*end, d.normalize()) };
+                }
+            }
+            rays[0].dir = Vec3::NAN;
+            let singly = (0..n).fold(0, |bits, i| bits | (geometry.occluded(&rays[i]) as u64) << i);
+            assert_eq!(geometry.occluded_of(&rays, &shared, &mut occluders), singly);
+            met += singly.count_ones();
+        }
+        assert!(met > 5000, "{met}");
+    }
 }
 
 #[test]

@@ -19,6 +19,7 @@ impl Avx2 {
 impl Lanes for Avx2 {
     type F = __m256;
     type M = __m256;
+    type U = __m256;
 
     #[inline(always)]
     fn load(self, a: &[f32; WIDTH]) -> __m256 {
@@ -79,6 +80,20 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn bits(self, a: __m256) -> u32 {
         self.0.avx._mm256_movemask_ps(a) as u32
+    }
+    #[inline(always)]
+    fn no_sets(self) -> __m256 {
+        self.0.avx._mm256_setzero_ps()
+    }
+    #[inline(always)]
+    fn put(self, sets: __m256, lanes: __m256, member: u32) -> __m256 {
+        // Bits of no number: nothing but and, or is done with them.
+        let member = self.0.avx._mm256_castsi256_ps(self.0.avx._mm256_set1_epi32(member as i32));
+        self.0.avx._mm256_or_ps(sets, self.0.avx._mm256_and_ps(lanes, member))
+    }
+    #[inline(always)]
+    fn sets(self, sets: __m256) -> [u32; WIDTH] {
+        pulp::cast(sets)
     }
     #[inline(always)]
     fn run<T: Task>(self, task: T) -> T::Output {

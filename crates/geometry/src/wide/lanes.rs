@@ -12,6 +12,8 @@ pub(crate) trait Lanes: Copy {
     type F: Copy;
     /// Eight truths.
     type M: Copy;
+    /// Eight sets of 32.
+    type U: Copy;
 
     fn load(self, a: &[f32; WIDTH]) -> Self::F;
     fn store(self, a: Self::F) -> [f32; WIDTH];
@@ -31,6 +33,11 @@ pub(crate) trait Lanes: Copy {
     fn or(self, a: Self::M, b: Self::M) -> Self::M;
     /// Bit k is the truth of lane k.
     fn bits(self, a: Self::M) -> u32;
+    /// Eight sets of 32, empty.
+    fn no_sets(self) -> Self::U;
+    /// Puts `member` (one bit) into the sets of the lanes that are true.
+    fn put(self, sets: Self::U, lanes: Self::M, member: u32) -> Self::U;
+    fn sets(self, sets: Self::U) -> [u32; WIDTH];
     /// Does the task in code that is compiled for this unit.
     fn run<T: Task>(self, task: T) -> T::Output;
 }
@@ -54,6 +61,7 @@ fn map<A: Copy, B: Copy, C>(a: [A; WIDTH], b: [B; WIDTH], f: impl Fn(A, B) -> C)
 impl Lanes for Portable {
     type F = [f32; WIDTH];
     type M = [bool; WIDTH];
+    type U = [u32; WIDTH];
 
     #[inline(always)]
     fn load(self, a: &[f32; WIDTH]) -> Self::F {
@@ -114,6 +122,18 @@ impl Lanes for Portable {
     #[inline(always)]
     fn bits(self, a: Self::M) -> u32 {
         (0..WIDTH).fold(0, |bits, k| bits | (a[k] as u32) << k)
+    }
+    #[inline(always)]
+    fn no_sets(self) -> Self::U {
+        [0; WIDTH]
+    }
+    #[inline(always)]
+    fn put(self, sets: Self::U, lanes: Self::M, member: u32) -> Self::U {
+        map(sets, lanes, |s, m| if m { s | member } else { s })
+    }
+    #[inline(always)]
+    fn sets(self, sets: Self::U) -> [u32; WIDTH] {
+        sets
     }
     #[inline(always)]
     fn run<T: Task>(self, task: T) -> T::Output {

@@ -4,14 +4,15 @@
 mod avx2;
 mod collapse;
 mod lanes;
+mod stream;
 mod traverse;
 mod tree;
 
 use lanes::{Lanes, Portable, Task};
-use manylight_math::Ray;
+use manylight_math::{Ray, Vec3};
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
-use traverse::{Deep, NewStack, SHALLOW, Shallow};
+use traverse::{Deep, MakeStack, SHALLOW, Shallow};
 pub(crate) use traverse::{Met, Rounds};
 pub(crate) use tree::Solid;
 use tree::Tree;
@@ -115,6 +116,82 @@ impl Wide {
     }
 }
 
+/// What stopped rays, to be tried first the next time: a slot of it is meant for rays that end at the same place. What it
+/// holds changes no answer, only how soon it is found.
+#[derive(Clone, Debug, Default)]
+pub struct Occluders {
+    /// A node for each slot, or `NONE`.
+    nodes: Vec<u32>,
+    waiting: Vec<stream::Waiting>,
+    ready: Vec<stream::Ready>,
+}
+
+impl Occluders {
+    const SLOTS: usize = 1 << 12;
+    const NONE: u32 = u32::MAX;
+
+    /// Nothing stopped any ray yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+    fn slot(p: Vec3) -> usize {
+        let mix = |h: u32, x: f32| (h ^ x.to_bits()).wrapping_mul(0x9e37_79b1).rotate_left(15);
+        (mix(mix(mix(0, p.x), p.y), p.z).wrapping_mul(0x85eb_ca6b) >> 20) as usize
+    }
+}
+
+impl Wide {
+    /// Which of up to 64 rays meet anything in (0, t_max), a bit for each; `shared` is the end of each that others share.
+    pub fn any_of(
+        &self,
+        rays: &[Ray],
+        shared: &[Vec3],
+        occluders: &mut Occluders,
+        round: impl stream::RoundsOf,
+    ) -> u64 {
+        self.unit.run(AnyOf { tree: &self.tree, rays, shared, occluders, round })
+    }
+}
+
+struct AnyOf<'a, R> {
+    tree: &'a Tree,
+    rays: &'a [Ray],
+    shared: &'a [Vec3],
+    occluders: &'a mut Occluders,
+    round: R,
+}
+impl<R: stream::RoundsOf> Task for AnyOf<'_, R> {
+    type Output = u64;
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> u64 {
+        let AnyOf { tree, rays, shared, occluders: Occluders { nodes, waiting, ready }, round } = self;
+        nodes.resize(Occluders::SLOTS, Occluders::NONE);
+        ready.clear();
+        let (mut stopped, mut asked) = (0u64, 0u64);
+        for (r, ray) in rays.iter().enumerate().take(stream::STREAM) {
+            let this = stream::Ready::new(ray, tree.largest);
+            ready.push(this);
+            if !is_finite(ray) {
+                continue;
+            }
+            let node = nodes[Occluders::slot(shared[r])];
+            let again = node != Occluders::NONE && tree.stops_at(l, &this, node, |id, limit| round(r, id, limit));
+            stopped |= (again as u64) << r;
+            asked |= (!again as u64) << r;
+        }
+        let mut found = 0;
+        if asked != 0 {
+            found = tree.any_of(l, ready, asked, waiting, round, |r, node| nodes[Occluders::slot(shared[r])] = node);
+            let mut free = asked & !found;
+            while free != 0 {
+                nodes[Occluders::slot(shared[free.trailing_zeros() as usize])] = Occluders::NONE;
+                free &= free - 1;
+            }
+        }
+        stopped | found
+    }
+}
+
 fn is_finite(ray: &Ray) -> bool {
     ray.origin.is_finite() && ray.dir.is_finite()
 }
@@ -126,11 +203,11 @@ struct Closest<'a, S, R, K> {
     round: R,
     keep: K,
 }
-impl<S: NewStack, R: Rounds, K: FnMut(&Met) -> bool> Task for Closest<'_, S, R, K> {
+impl<S: MakeStack, R: Rounds, K: FnMut(&Met) -> bool> Task for Closest<'_, S, R, K> {
     type Output = Option<Met>;
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Option<Met> {
-        self.tree.closest(l, self.ray, &mut self.stack.new(), self.round, self.keep)
+        self.tree.closest(l, self.ray, &mut self.stack.make(), self.round, self.keep)
     }
 }
 
@@ -141,10 +218,10 @@ struct Any<'a, S, R, K> {
     round: R,
     keep: K,
 }
-impl<S: NewStack, R: Rounds, K: FnMut(&Met) -> bool> Task for Any<'_, S, R, K> {
+impl<S: MakeStack, R: Rounds, K: FnMut(&Met) -> bool> Task for Any<'_, S, R, K> {
     type Output = bool;
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> bool {
-        self.tree.any(l, self.ray, &mut self.stack.new(), self.round, self.keep)
+        self.tree.any(l, self.ray, &mut self.stack.make(), self.round, self.keep)
     }
 }

@@ -41,7 +41,7 @@ pub(crate) struct BoxRay {
 
 const U: f32 = 0.5 * f32::EPSILON;
 /// Widens the far distance, against 3 u in each of two.
-const WIDER: f32 = 1.0 + 8.0 * U;
+pub(crate) const WIDER: f32 = 1.0 + 8.0 * U;
 /// Smaller components of a direction move a ray less than its margin, over the whole scene.
 const LEAST: f32 = 1e-18;
 
@@ -56,9 +56,9 @@ impl BoxRay {
     }
 }
 
-/// A ray against triangles and boxes, spread over the lanes.
+/// A ray against boxes, spread over the lanes.
 #[derive(Clone, Copy)]
-struct Spread<L: Lanes> {
+pub(crate) struct Spread<L: Lanes> {
     near: [L::F; 3],
     far: [L::F; 3],
     inverse: [L::F; 3],
@@ -71,7 +71,7 @@ struct Spread<L: Lanes> {
 
 impl<L: Lanes> Spread<L> {
     #[inline(always)]
-    fn new(l: L, r: &BoxRay) -> Self {
+    pub fn new(l: L, r: &BoxRay) -> Self {
         Spread {
             near: [l.splat(r.near.x), l.splat(r.near.y), l.splat(r.near.z)],
             far: [l.splat(r.far.x), l.splat(r.far.y), l.splat(r.far.z)],
@@ -92,19 +92,19 @@ impl<L: Lanes> Spread<L> {
     }
     /// Where the ray enters the eight boxes, not below zero, and which it enters before `limit`. \[m\]
     #[inline(always)]
-    fn boxes(&self, l: L, node: &Node, limit: L::F) -> (L::F, u32) {
+    pub fn boxes(&self, l: L, node: &Node, limit: L::F) -> (L::F, L::M) {
         let near = (self.near(l, node, 0), self.near(l, node, 1), self.near(l, node, 2));
         let far = (self.far(l, node, 0), self.far(l, node, 1), self.far(l, node, 2));
         let from = l.max(l.max(near.0, near.1), l.max(near.2, self.zero));
         let to = l.min(l.mul(l.min(l.min(far.0, far.1), far.2), self.wider), limit);
-        (from, l.bits(l.le(from, to)))
+        (from, l.le(from, to))
     }
 }
 
 /// What the triangle test found in a block.
-struct Found<L: Lanes> {
-    lanes: u32,
-    t: L::F,
+pub(crate) struct Found<L: Lanes> {
+    pub lanes: u32,
+    pub t: L::F,
     /// Times the determinant.
     v: L::F,
     w: L::F,
@@ -119,8 +119,25 @@ struct Sheared<L: Lanes> {
     z: L::F,
 }
 
-/// A ray against triangles, spread over the lanes: origin and shear along its own axes.
-struct Shear<L: Lanes> {
+/// A ray against triangles: origin and shear along its own axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxialRay {
+    axes: [usize; 3],
+    origin: [f32; 3],
+    shear: [f32; 3],
+}
+
+impl AxialRay {
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Self {
+        let ShearedRay { axes, origin, shear } = ShearedRay::new(ray);
+        let o = origin.to_array();
+        AxialRay { axes, origin: [o[axes[0]], o[axes[1]], o[axes[2]]], shear: shear.to_array() }
+    }
+}
+
+/// The same, spread over the lanes.
+pub(crate) struct Shear<L: Lanes> {
     axes: [usize; 3],
     origin: [L::F; 3],
     shear: [L::F; 3],
@@ -129,13 +146,11 @@ struct Shear<L: Lanes> {
 
 impl<L: Lanes> Shear<L> {
     #[inline(always)]
-    fn new(l: L, ray: &Ray) -> Self {
-        let ShearedRay { axes, origin, shear } = ShearedRay::new(ray);
-        let o = origin.to_array();
+    pub fn new(l: L, r: &AxialRay) -> Self {
         Shear {
-            axes,
-            origin: [l.splat(o[axes[0]]), l.splat(o[axes[1]]), l.splat(o[axes[2]])],
-            shear: [l.splat(shear.x), l.splat(shear.y), l.splat(shear.z)],
+            axes: r.axes,
+            origin: [l.splat(r.origin[0]), l.splat(r.origin[1]), l.splat(r.origin[2])],
+            shear: [l.splat(r.shear[0]), l.splat(r.shear[1]), l.splat(r.shear[2])],
             zero: l.splat(0.0),
         }
     }
@@ -162,7 +177,7 @@ fn mixed<L: Lanes>(l: L, u: L::F, v: L::F, w: L::F, zero: L::F) -> u32 {
 
 /// The test of `ShearedRay::intersect`, operation by operation, on eight triangles: hits in (0, limit], limit included.
 #[inline(always)]
-fn block<L: Lanes>(l: L, block: &Block, ray: &Shear<L>, limit: L::F) -> Option<Found<L>> {
+pub(crate) fn block<L: Lanes>(l: L, block: &Block, ray: &Shear<L>, limit: L::F) -> Option<Found<L>> {
     let a = ray.corner(l, &block.corners[0]);
     let b = ray.corner(l, &block.corners[1]);
     let c = ray.corner(l, &block.corners[2]);
@@ -241,19 +256,19 @@ impl Stack for Vec<Entry> {
 }
 
 /// A stack to be made where it is used: moving one would cost more than many rays push.
-pub(crate) trait NewStack {
-    fn new(self) -> impl Stack;
+pub(crate) trait MakeStack {
+    fn make(self) -> impl Stack;
 }
 pub(crate) struct Shallow;
-impl NewStack for Shallow {
+impl MakeStack for Shallow {
     #[inline(always)]
-    fn new(self) -> impl Stack {
+    fn make(self) -> impl Stack {
         ArrayVec::<Entry, SHALLOW>::new_const()
     }
 }
 pub(crate) struct Deep;
-impl NewStack for Deep {
-    fn new(self) -> impl Stack {
+impl MakeStack for Deep {
+    fn make(self) -> impl Stack {
         Vec::new()
     }
 }
@@ -269,7 +284,7 @@ impl Tree {
         round: impl Rounds,
         mut keep: impl FnMut(&Met) -> bool,
     ) -> Option<Met> {
-        let sheared = Shear::new(l, ray);
+        let sheared = Shear::new(l, &AxialRay::new(ray));
         let spread = Spread::new(l, &BoxRay::new(ray, self.largest));
         // No id is below zero: nothing ties with the end of the ray.
         let mut best = Met { t: ray.t_max, id: 0, b1: 0.0, b2: 0.0 };
@@ -282,7 +297,8 @@ impl Tree {
         loop {
             if current & Tree::LEAF == 0 {
                 let node = &self.nodes[current as usize];
-                let (from, mut hit) = spread.boxes(l, node, limit);
+                let (from, hit) = spread.boxes(l, node, limit);
+                let mut hit = l.bits(hit);
                 if hit != 0 {
                     let first = hit.trailing_zeros() as usize;
                     hit &= hit - 1;
@@ -346,7 +362,7 @@ impl Tree {
         }
     }
 
-    /// Is there a hit in (0, t_max) that `keep` lets count, under this node?
+    /// Is there a hit in (0, t_max) that `keep` lets count?
     #[inline(always)]
     pub fn any<L: Lanes>(
         &self,
@@ -356,7 +372,7 @@ impl Tree {
         round: impl Rounds,
         mut keep: impl FnMut(&Met) -> bool,
     ) -> bool {
-        let sheared = Shear::new(l, ray);
+        let sheared = Shear::new(l, &AxialRay::new(ray));
         let spread = Spread::new(l, &BoxRay::new(ray, self.largest));
         let (limit, end) = (l.splat(ray.t_max * WIDER), l.splat(ray.t_max));
         let mut current = 0;
@@ -366,7 +382,7 @@ impl Tree {
         loop {
             if current & Tree::LEAF == 0 {
                 let node = &self.nodes[current as usize];
-                let mut hit = spread.boxes(l, node, limit).1;
+                let mut hit = l.bits(spread.boxes(l, node, limit).1);
                 if hit != 0 {
                     let first = hit.trailing_zeros() as usize & 7;
                     hit &= hit - 1;
@@ -423,7 +439,12 @@ mod tests {
             let ray = Ray::new(origin, if k % 2 == 0 { dir } else { target - origin });
             let triangles: [[Vec3; 3]; WIDTH] = std::array::from_fn(|_| [point(), point(), point()]);
             let corners = [0, 1, 2].map(|c| [0, 1, 2].map(|a| std::array::from_fn(|t| triangles[t][c][a])));
-            let found = block(l, &Block { corners, ids: [0; WIDTH] }, &Shear::new(l, &ray), l.splat(f32::INFINITY));
+            let found = block(
+                l,
+                &Block { corners, ids: [0; WIDTH] },
+                &Shear::new(l, &AxialRay::new(&ray)),
+                l.splat(f32::INFINITY),
+            );
             for (t, triangle) in triangles.iter().enumerate() {
                 let single = ShearedRay::new(&ray).intersect(triangle, f32::INFINITY);
                 let by_eight = found.as_ref().filter(|f| f.lanes >> t & 1 != 0).map(|f| {
@@ -442,7 +463,9 @@ mod tests {
     fn blocks_meet_what_single_triangles_do() {
         same_as_singly(Portable);
         #[cfg(target_arch = "x86_64")]
-        super::super::avx2::Avx2::detect().map(same_as_singly);
+        if let Some(avx2) = super::super::avx2::Avx2::detect() {
+            same_as_singly(avx2);
+        }
     }
 
     /// Rays by the edges of a small triangle: what the triangle test takes for a hit, the box test lets through.
@@ -469,7 +492,8 @@ mod tests {
             let mut node = Node { planes: [[f32::NAN; WIDTH]; 6], children: [0; WIDTH] };
             (0..3).for_each(|a| (node.planes[a][0], node.planes[a + 3][0]) = (bounds.lo[a], bounds.hi[a]));
             let largest = bounds.lo.abs().max(bounds.hi.abs()).max_element();
-            let entered = Spread::new(l, &BoxRay::new(&ray, largest)).boxes(l, &node, l.splat(t * WIDER)).1 & 1;
+            let spread = Spread::new(l, &BoxRay::new(&ray, largest));
+            let entered = l.bits(spread.boxes(l, &node, l.splat(t * WIDER)).1) & 1;
             assert!(entered == 1, "{ray:?} {corners:?} at {t}");
             hits += 1;
         }
