@@ -6,10 +6,9 @@
 //!
 //! All of them run on one thread. `cargo test` runs each once, and measures nothing.
 
-use manylight_geometry::{Geometry, GeometryError, ShapeGeometry, TriangleMesh};
-use manylight_math::{DAffine3, DMat3, DVec3, Spectrum, Vec3};
+use manylight_geometry::{ShapeGeometry, TriangleMesh};
+use manylight_math::{DAffine3, DMat3, DVec3, Spectrum};
 use manylight_scene::{Camera, Material, Model, Scene, Shape, Source};
-use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 
 /// The file of a scene of this repository.
@@ -41,32 +40,4 @@ pub fn room_with_pillars(side: u32) -> Scene {
     let to_world = DAffine3 { matrix3: look, translation: DVec3::new(-4.0, 0.2, -4.5) };
     b.camera(Camera::perspective(to_world, 70.0, (side, side)).unwrap_or_else(|e| panic!("{e}")));
     b.build().unwrap_or_else(|e| panic!("{e}"))
-}
-
-/// A displaced sphere of 2 `rows`^2 triangles, about as large as the unit sphere, in the middle of a cube of 6 m.
-pub fn sphere_in_a_room(rows: u32) -> Result<Geometry, GeometryError> {
-    let room = TriangleMesh::cube(&DAffine3::from_scale(DVec3::splat(3.0)));
-    Geometry::build(vec![ShapeGeometry::Mesh(room), ShapeGeometry::Mesh(displaced_sphere(rows))])
-}
-
-/// Rows and columns of quads over (theta, phi). Those that touch a pole have a triangle without area.
-fn displaced_sphere(rows: u32) -> TriangleMesh {
-    let mut mesh = TriangleMesh::default();
-    for i in 0..=rows {
-        for j in 0..=rows {
-            let (theta, phi) = (PI * i as f32 / rows as f32, TAU * j as f32 / rows as f32);
-            let bumps = (9.0 * phi).sin() * (8.0 * theta).sin() + 0.3 * (31.0 * phi).cos() * (37.0 * theta).sin();
-            // Without bumps at the poles, where all columns meet.
-            let radius = 1.0 + 0.1 * theta.sin() * bumps;
-            let dir = Vec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
-            mesh.positions.push(dir * radius);
-        }
-    }
-    for i in 0..rows {
-        for j in 0..rows {
-            let (a, b) = (i * (rows + 1) + j, (i + 1) * (rows + 1) + j);
-            mesh.triangles.extend([[a, a + 1, b], [b, a + 1, b + 1]]);
-        }
-    }
-    mesh
 }

@@ -18,7 +18,7 @@ const FLOORS: &[(u32, &[&str])] = &[
     (7, &["metropolis-ir", "vrl", "vsl"]),
     (RECIPES, &["recipes", "report"]),
     (9, &["cli"]),
-    (10, &["manylight"]),
+    (10, &["manylight", "embree"]),
     (11, &["integration", "benches"]),
 ];
 
@@ -58,6 +58,9 @@ const WORLDLY: &[(&str, &[&str], &[&str])] = &[
     ("starts threads", &["thread::spawn", "thread::scope", "thread::Builder", "ThreadPoolBuilder"], &["render", "cli"]),
     ("reads the environment", &["std::env", "env::", "std::process", "std::net"], &["cli"]),
 ];
+
+/// Calls a library in C, by unsafe code, which the lints of the workspace forbid. Benchmarks alone use it.
+const FOREIGN: &str = "embree";
 
 /// Longest source file. [lines]
 const MOST_LINES: usize = 600;
@@ -233,6 +236,13 @@ fn the_scan_sees_code_and_neither_comments_nor_test_modules() {
 }
 
 #[test]
+fn unsafe_code_is_for_benchmarks_alone() {
+    let arrows = arrows();
+    let wrong = arrows.iter().filter(|(from, known)| *from != "benches" && known.contains(FOREIGN));
+    none(wrong.map(|(from, _)| format!("`{from}` depends on `{FOREIGN}`")).collect());
+}
+
+#[test]
 fn there_is_one_glam_and_one_rand() {
     // Of the whole lock file: tests and benches speak to our crates in the same vectors.
     let lock = std::fs::read_to_string(root().join("Cargo.lock")).expect("the workspace has a lock file");
@@ -282,7 +292,7 @@ fn every_member_is_named_after_its_folder_and_takes_the_lints_of_the_workspace()
         if !named {
             wrong.push(format!("`{}` lies in `{folder}`", p.name));
         }
-        if !manifest.contains("[lints]\nworkspace = true") {
+        if short(&p.name) != FOREIGN && !manifest.contains("[lints]\nworkspace = true") {
             wrong.push(format!("`{}` does not take the lints of the workspace: unsafe code, missing docs", p.name));
         }
     }

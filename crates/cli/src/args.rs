@@ -5,7 +5,7 @@ use crate::output::did_you_mean;
 use clap::{Args, Parser, Subcommand};
 use manylight_render::files::Exposure;
 use manylight_report::Cost;
-use manylight_scene::Filter;
+use manylight_scene::{Filter, Simd};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -70,6 +70,9 @@ pub struct Render {
     /// Threads; the image does not depend on them [default: one for each core]
     #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// What traces rays: auto is the best that the processor has, portable uses no vector unit; the image is the same
+    #[arg(long, value_name = "auto|portable", default_value = "auto", value_parser = simd)]
+    pub simd: Simd,
     /// Size of the image in pixels, instead of the scene's own
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<(u32, u32)>,
@@ -303,6 +306,14 @@ fn size(s: &str) -> Result<(u32, u32), String> {
     match size {
         Some((w, h)) if (1..=65_536).contains(&w) && (1..=65_536).contains(&h) => Ok((w, h)),
         _ => Err("expected width x height in pixels, such as 640x360, at most 65536 each".into()),
+    }
+}
+
+fn simd(s: &str) -> Result<Simd, String> {
+    match s {
+        "auto" => Ok(Simd::Auto),
+        "portable" => Ok(Simd::Portable),
+        _ => Err("expected auto or portable".into()),
     }
 }
 

@@ -18,7 +18,8 @@ pub fn run(args: &Render) -> Result<(), Failure> {
     let target = Target::new(args)?;
     let cancel = interrupt::flag()?;
     let start = Instant::now();
-    let Loaded { scene, warnings, files } = load(args)?;
+    let Loaded { mut scene, warnings, files } = load(args)?;
+    scene.set_simd(args.simd);
     target.spares(&files)?;
     warn(&warnings);
     let load = start.elapsed();

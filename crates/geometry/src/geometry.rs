@@ -1,13 +1,9 @@
 //! All shapes of a scene under one tree.
 
 use crate::offset::error_bound;
-use crate::triangle::ShearedRay;
-use crate::{Disk, MeshError, Sphere, TriangleMesh};
-use manylight_math::{Aabb, Ray, Vec2, Vec3, Vec3A};
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::ray::{Ray as ObvhsRay, RayHit};
-use obvhs::{Boundable, BvhBuildParams};
+use crate::wide::{Met, Rounds, Solid, Wide};
+use crate::{Disk, MeshError, Occluders, Simd, Sphere, TriangleMesh};
+use manylight_math::{Aabb, Ray, Vec2, Vec3};
 use std::collections::HashSet;
 
 /// One shape.
@@ -88,86 +84,56 @@ pub enum GeometryError {
         shape: usize,
     },
     /// More primitives than an index holds.
-    #[error("{primitives} primitives: at most 2^31 are possible")]
+    #[error("{primitives} primitives: at most 2^30 are possible")]
     TooMany {
         /// How many.
         primitives: usize,
     },
 }
 
-/// A primitive in the order of the tree's leaves.
+/// What the tree knows by a number: its place in the order of shapes and triangles.
 #[derive(Clone, Copy, Debug)]
 struct Primitive {
     shape: u32,
-    /// Triangle within the mesh, or `ROUND`.
+    /// Triangle within the mesh; 0 of a sphere or disc.
     triangle: u32,
 }
-const ROUND: u32 = u32::MAX;
 
 /// All shapes of a scene, and the tree over them.
 pub struct Geometry {
     shapes: Vec<ShapeGeometry>,
-    bvh: Bvh2,
     primitives: Vec<Primitive>,
-    /// Corners in the order of `primitives`; unused for round shapes.
-    corners: Vec<[Vec3; 3]>,
+    wide: Wide,
     bounds: Aabb,
-}
-
-struct Box3(Aabb);
-impl Boundable for Box3 {
-    fn aabb(&self) -> obvhs::aabb::Aabb {
-        obvhs::aabb::Aabb::new(Vec3A::from(self.0.lo), Vec3A::from(self.0.hi))
-    }
 }
 
 impl Geometry {
     /// Builds the tree. Triangles without area, and repetitions of a triangle within one shape, can not be hit: they are taken
     /// out of their meshes, so that what has an area, and may shine, is what rays meet.
     pub fn build(mut shapes: Vec<ShapeGeometry>) -> Result<Self, GeometryError> {
-        let mut primitives = Vec::new();
         let mut bounds = Aabb::EMPTY;
         for (i, shape) in shapes.iter_mut().enumerate() {
             validate(i, shape)?;
             bounds = bounds.join(&shape.bounds());
-            match shape {
-                ShapeGeometry::Mesh(mesh) => {
-                    drop_what_cannot_be_hit(mesh);
-                    let triangles = 0..mesh.triangles.len() as u32;
-                    primitives.extend(triangles.map(|triangle| Primitive { shape: i as u32, triangle }));
-                }
-                _ => primitives.push(Primitive { shape: i as u32, triangle: ROUND }),
+            if let ShapeGeometry::Mesh(mesh) = shape {
+                drop_what_cannot_be_hit(mesh);
             }
         }
-        if primitives.len() > 1 << 31 {
+        let (primitives, solids) = list(&shapes);
+        if primitives.len() > Wide::MOST {
             return Err(GeometryError::TooMany { primitives: primitives.len() });
         }
-        // The box test of the tree rounds; boxes padded by a little more than that never lose a hit (they decide nothing else).
-        let pad = if bounds.is_empty() {
-            0.0
-        } else {
-            bounds.lo.abs().max(bounds.hi.abs()).max_element() * 4.0 * f32::EPSILON
-        };
-        let boxes: Vec<Box3> = primitives
-            .iter()
-            .map(|p| {
-                let b = match &shapes[p.shape as usize] {
-                    ShapeGeometry::Mesh(mesh) => Aabb::around(mesh.corners(p.triangle as usize)),
-                    round => round.bounds(),
-                };
-                Box3(Aabb { lo: b.lo - pad, hi: b.hi + pad })
-            })
-            .collect();
-        let bvh = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut std::time::Duration::default());
-        let primitives: Vec<Primitive> = bvh.primitive_indices.iter().map(|&i| primitives[i as usize]).collect();
-        let corners = primitives
-            .iter()
-            .map(|p| match &shapes[p.shape as usize] {
-                ShapeGeometry::Mesh(mesh) => mesh.corners(p.triangle as usize),
-                _ => [Vec3::ZERO; 3],
-            })
-            .collect();
-        Ok(Geometry { shapes, bvh, primitives, corners, bounds })
+        let wide = Wide::build(&solids);
+        Ok(Geometry { shapes, primitives, wide, bounds })
+    }
+    /// Chooses what traces rays; `Simd::Auto` if not called. What they meet does not depend on it.
+    pub fn set_simd(&mut self, simd: Simd) {
+        self.wide.set_simd(simd);
+    }
+    /// Checks the tree: every primitive in one leaf, every box in its parent's, every number in range. What is wrong, if not:
+    /// for tests.
+    pub fn validate(&self) -> Result<(), String> {
+        self.wide.validate(&list(&self.shapes).1)
     }
     /// The shapes, in the order they were given; their meshes without what can not be hit.
     pub fn shapes(&self) -> &[ShapeGeometry] {
@@ -183,71 +149,63 @@ impl Geometry {
     }
     /// Memory of the tree and its primitives. \[byte\]
     pub fn bytes(&self) -> usize {
-        self.bvh.nodes.len() * size_of::<obvhs::bvh2::node::Bvh2Node>()
-            + self.bvh.primitive_indices.len() * size_of::<u32>()
-            + self.primitives.len() * (size_of::<Primitive>() + size_of::<[Vec3; 3]>())
+        self.wide.bytes() + self.primitives.len() * size_of::<Primitive>()
     }
 
-    /// The first thing that a ray meets, in (0, t_max). The direction must be unit.
+    /// The first thing that a ray meets, in (0, t_max); of equally near ones the first in the order of shapes and triangles. The
+    /// direction must be unit.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let sheared = ShearedRay::new(ray);
-        let mut found = None;
-        let mut nearest = RayHit::none();
-        self.bvh.ray_traverse(obvhs_ray(ray)?, &mut nearest, |r, i| {
-            let p = self.primitives[i];
-            let hit = if p.triangle == ROUND {
-                self.round(p, ray, r.tmax).map(|t| (t, Vec2::ZERO))
-            } else {
-                sheared.intersect(&self.corners[i], r.tmax).map(|(t, b1, b2)| (t, Vec2::new(b1, b2)))
-            };
-            match hit {
-                Some((t, barycentrics)) => {
-                    let triangle = if p.triangle == ROUND { 0 } else { p.triangle };
-                    found = Some(Hit { t, shape: p.shape, triangle, barycentrics });
-                    t
-                }
-                None => f32::INFINITY,
-            }
-        });
-        found
+        self.wide.closest(ray, self.rounds(ray), |_| true).map(|met| self.hit(&met))
+    }
+    /// The first thing that a ray meets, of those that `counts` says true of: what it does not, the ray passes. It is asked of
+    /// some hits in (0, t_max), in no order.
+    pub fn intersect_where(&self, ray: &Ray, mut counts: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+        self.wide.closest(ray, self.rounds(ray), |met| counts(&self.hit(met))).map(|met| self.hit(&met))
     }
     /// Is anything in (0, t_max)? The direction must be unit.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let sheared = ShearedRay::new(ray);
-        let Some(r) = obvhs_ray(ray) else { return false };
-        !self.bvh.ray_traverse_miss(r, |r, i| {
-            let p = self.primitives[i];
-            let t = if p.triangle == ROUND {
-                self.round(p, ray, r.tmax)
-            } else {
-                sheared.intersect(&self.corners[i], r.tmax).map(|h| h.0)
-            };
-            t.unwrap_or(f32::INFINITY)
-        })
+        self.wide.any(ray, self.rounds(ray), |_| true)
+    }
+    /// Is anything in (0, t_max) of each of up to 64 rays, a bit for each? The same answers as of `occluded`, sooner. `shared` is
+    /// the end of each ray that later ones have too, such as the light's: what stopped one of them is tried first.
+    pub fn occluded_of(&self, rays: &[Ray], shared: &[Vec3], occluders: &mut Occluders) -> u64 {
+        assert!(rays.len() <= 64 && rays.len() == shared.len(), "up to 64 rays, and an end of each");
+        self.wide.any_of(rays, shared, occluders, |r, id, limit| self.rounds(&rays[r])(id, limit))
+    }
+    /// Is anything in (0, t_max) that `counts` says true of?
+    pub fn occluded_where(&self, ray: &Ray, mut counts: impl FnMut(&Hit) -> bool) -> bool {
+        self.wide.any(ray, self.rounds(ray), |met| counts(&self.hit(met)))
     }
     /// Everything that a ray meets in (0, t_max), in no order. A hit on an edge that triangles share may be reported for each.
-    pub fn every(&self, ray: &Ray, mut visit: impl FnMut(Hit)) {
-        let sheared = ShearedRay::new(ray);
-        let Some(r) = obvhs_ray(ray) else { return };
-        self.bvh.ray_traverse_anyhit(r, |_, i| {
-            let p = self.primitives[i];
-            let mut hit = |t, triangle, barycentrics| visit(Hit { t, shape: p.shape, triangle, barycentrics });
-            match &self.shapes[p.shape as usize] {
-                ShapeGeometry::Mesh(_) => {
-                    if let Some((t, b1, b2)) = sheared.intersect(&self.corners[i], ray.t_max) {
-                        hit(t, p.triangle, Vec2::new(b1, b2));
-                    }
-                }
-                ShapeGeometry::Sphere(s) => s.both(ray).into_iter().flatten().for_each(|t| hit(t, 0, Vec2::ZERO)),
-                ShapeGeometry::Disk(d) => d.intersect(ray, ray.t_max).into_iter().for_each(|t| hit(t, 0, Vec2::ZERO)),
+    pub fn every(&self, ray: &Ray, visit: impl FnMut(Hit)) {
+        let visit = std::cell::RefCell::new(visit);
+        let round = |id: u32, _: f32| {
+            for t in self.every_on_round(id, ray).into_iter().flatten() {
+                (visit.borrow_mut())(self.hit(&Met { t, id, b1: 0.0, b2: 0.0 }));
             }
+            None
+        };
+        self.wide.any(ray, round, |met| {
+            (visit.borrow_mut())(self.hit(met));
+            false
         });
     }
-    fn round(&self, p: Primitive, ray: &Ray, t_max: f32) -> Option<f32> {
-        match &self.shapes[p.shape as usize] {
-            ShapeGeometry::Sphere(s) => s.intersect(ray, t_max),
-            ShapeGeometry::Disk(d) => d.intersect(ray, t_max),
+    fn hit(&self, met: &Met) -> Hit {
+        let Primitive { shape, triangle } = self.primitives[met.id as usize];
+        Hit { t: met.t, shape, triangle, barycentrics: Vec2::new(met.b1, met.b2) }
+    }
+    fn rounds(&self, ray: &Ray) -> impl Rounds {
+        |id, limit| match &self.shapes[self.primitives[id as usize].shape as usize] {
+            ShapeGeometry::Sphere(s) => s.intersect(ray, limit),
+            ShapeGeometry::Disk(d) => d.intersect(ray, limit),
             ShapeGeometry::Mesh(_) => None,
+        }
+    }
+    fn every_on_round(&self, id: u32, ray: &Ray) -> [Option<f32>; 2] {
+        match &self.shapes[self.primitives[id as usize].shape as usize] {
+            ShapeGeometry::Sphere(s) => s.both(ray),
+            ShapeGeometry::Disk(d) => [d.intersect(ray, ray.t_max), None],
+            ShapeGeometry::Mesh(_) => [None; 2],
         }
     }
 
@@ -294,10 +252,20 @@ impl Geometry {
     }
 }
 
-/// `None` if the ray is not finite: such a ray meets nothing.
-fn obvhs_ray(ray: &Ray) -> Option<ObvhsRay> {
-    let finite = ray.origin.is_finite() && ray.dir.is_finite();
-    finite.then(|| ObvhsRay::new(ray.origin.into(), ray.dir.into(), 0.0, ray.t_max))
+/// All primitives, as shapes have them and as the tree sees them.
+fn list(shapes: &[ShapeGeometry]) -> (Vec<Primitive>, Vec<Solid>) {
+    let (mut primitives, mut solids) = (Vec::new(), Vec::new());
+    for (shape, geometry) in shapes.iter().enumerate() {
+        let count = if let ShapeGeometry::Mesh(mesh) = geometry { mesh.triangles.len() } else { 1 };
+        for triangle in 0..count {
+            primitives.push(Primitive { shape: shape as u32, triangle: triangle as u32 });
+            solids.push(match geometry {
+                ShapeGeometry::Mesh(mesh) => Solid::Triangle(mesh.corners(triangle)),
+                round => Solid::Round(round.bounds()),
+            });
+        }
+    }
+    (primitives, solids)
 }
 
 fn validate(i: usize, shape: &ShapeGeometry) -> Result<(), GeometryError> {

@@ -21,8 +21,10 @@ mod mesh;
 mod offset;
 mod round;
 mod triangle;
+mod wide;
 
 pub use geometry::{Geometry, GeometryError, Hit, ShapeGeometry, Surface};
 pub use mesh::{MeshError, TriangleMesh};
 pub use offset::{offset_from, shadow_segment};
 pub use round::{Disk, Sphere};
+pub use wide::{Occluders, Simd};

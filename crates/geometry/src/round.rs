@@ -93,7 +93,8 @@ impl Disk {
         PI * self.radius * self.radius
     }
     pub(crate) fn bounds(&self) -> Aabb {
-        let extent = self.radius * (1.0 - self.frame.n * self.frame.n).max(Vec3::ZERO).map(f32::sqrt);
+        // Not sqrt(1 - n^2), which loses half its digits where n lies almost along an axis.
+        let extent = self.radius * (self.frame.s * self.frame.s + self.frame.t * self.frame.t).map(f32::sqrt);
         Aabb { lo: self.centre - extent, hi: self.centre + extent }
     }
     pub(crate) fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {

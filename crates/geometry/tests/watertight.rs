@@ -4,6 +4,10 @@ use manylight_geometry::{Geometry, ShapeGeometry, Sphere, TriangleMesh, offset_f
 use manylight_math::{DAffine3, DVec3, Ray, Vec3};
 use manylight_sampling::{Purpose, Stream, warp};
 
+fn effort(n: usize) -> usize {
+    std::env::var("MANYLIGHT_EFFORT").map_or(n, |e| n * e.parse::<usize>().expect("MANYLIGHT_EFFORT is a whole number"))
+}
+
 /// A sphere of triangles: a cube whose faces are cut n x n times and pushed out.
 fn ball(n: u32, centre: Vec3, radius: f32) -> TriangleMesh {
     let cube = TriangleMesh::cube(&DAffine3::IDENTITY);
@@ -39,7 +43,7 @@ fn no_ray_leaves_a_closed_mesh_not_even_through_its_edges() {
         let geometry = Geometry::build(vec![ShapeGeometry::Mesh(mesh.clone())]).unwrap();
         let mut s = Stream::new(1, [0; 3], Purpose::TEST);
         let mut leaks = 0;
-        for i in 0..60_000 {
+        for i in 0..effort(60_000) {
             let origin = Vec3::new(0.3, -0.2, 0.1) * scale + warp::sphere(s.next_2d()) * (0.9 * scale * s.next_f32());
             // Every other ray is aimed at a vertex or a point of an edge.
             let dir = if i % 2 == 0 {
@@ -52,7 +56,27 @@ fn no_ray_leaves_a_closed_mesh_not_even_through_its_edges() {
             };
             leaks += geometry.intersect(&Ray::new(origin, dir)).is_none() as u32;
         }
-        assert_eq!(leaks, 0, "of 60,000 rays at scale {scale}");
+        assert_eq!(leaks, 0, "at scale {scale}");
+    }
+}
+
+/// Rays from far away round a scene: the farther the origin, the more every test rounds.
+#[test]
+fn no_ray_from_far_away_passes_through_a_closed_mesh() {
+    for (scale, far) in [(1e-3f32, 1.0), (1.0, 3.0), (1.0, 1e2), (1.0, 1e4), (1e3, 30.0)] {
+        let mesh = ball(12, Vec3::new(0.3, -0.2, 0.1) * scale, scale);
+        let geometry = Geometry::build(vec![ShapeGeometry::Mesh(mesh.clone())]).unwrap();
+        let mut s = Stream::new(9, [0; 3], Purpose::TEST);
+        let mut leaks = 0;
+        for i in 0..effort(30_000) {
+            // Through a point of an edge, and through one well inside.
+            let c = mesh.corners(s.next_below(mesh.triangles.len()));
+            let p = if i % 2 == 0 { c[s.next_below(3)] } else { c[0].lerp(c[1], s.next_f32()) };
+            let q = Vec3::new(0.3, -0.2, 0.1) * scale + warp::sphere(s.next_2d()) * (0.5 * scale);
+            let origin = p + (p - q).normalize() * (far * scale);
+            leaks += geometry.intersect(&Ray::new(origin, (p - origin).normalize())).is_none() as u32;
+        }
+        assert_eq!(leaks, 0, "from {far} times the radius, at scale {scale}");
     }
 }
 

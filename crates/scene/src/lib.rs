@@ -42,6 +42,7 @@ pub use emitter::{Emission, Emitter, EmitterPart, EmitterSample, Emitters, Part,
 pub use environment::Environment;
 pub use filter::{Filter, FilterSampler};
 pub use manylight_bsdf::{Bsdf, Lobe, Mode};
+pub use manylight_geometry::Simd;
 pub use manylight_media::{
     Flight, Grid, HenyeyGreenstein, Heterogeneous, Homogeneous, Interpolation, Medium, MediumError, Volume,
 };

@@ -2,7 +2,7 @@
 
 use crate::Camera;
 use crate::vertex::Sides;
-use manylight_geometry::{Geometry, GeometryError, ShapeGeometry, Surface};
+use manylight_geometry::{Geometry, GeometryError, ShapeGeometry, Simd, Surface};
 use manylight_math::{MediumId, Ray, Spectrum, Vec3};
 use manylight_media::{Flight, Medium};
 use manylight_sampling::Stream;
@@ -86,6 +86,9 @@ impl Boundaries {
         });
         found.sort_by(|a, b| a.t.total_cmp(&b.t));
         found
+    }
+    pub(crate) fn set_simd(&mut self, simd: Simd) {
+        self.geometry.set_simd(simd);
     }
     pub(crate) fn geometry(&self) -> (&Geometry, &[Sides]) {
         (&self.geometry, &self.sides)

@@ -10,7 +10,7 @@ use crate::{
     Source, Texture, TextureId,
 };
 use manylight_bsdf::{Bsdf, Mode};
-use manylight_geometry::{Geometry, GeometryError, Hit, ShapeGeometry, offset_from, shadow_segment};
+use manylight_geometry::{Geometry, GeometryError, Hit, ShapeGeometry, Simd, offset_from, shadow_segment};
 use manylight_math::{Aabb, Frame, MediumId, Ray, Spectrum, Vec3};
 use manylight_media::Medium;
 use manylight_sampling::Stream;
@@ -307,6 +307,13 @@ impl Scene {
     /// The shapes' geometry.
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
+    }
+    /// Chooses what traces rays; the best that the processor has, if not called. The image does not depend on it.
+    pub fn set_simd(&mut self, simd: Simd) {
+        self.geometry.set_simd(simd);
+        if let Some(boundaries) = self.media.as_mut().and_then(|m| m.boundaries.as_mut()) {
+            boundaries.set_simd(simd);
+        }
     }
     /// The emitters.
     pub fn emitters(&self) -> &Emitters {
