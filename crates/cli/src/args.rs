@@ -33,6 +33,8 @@ pub enum Command {
     Compare(Compare),
     /// Says which virtual lights made a pixel, what the bound took, and what compensation gave
     Explain(Explain),
+    /// Says what a scene holds, which methods suit it, and what they miss of it
+    Info(Info),
     /// Lists the methods, or describes one with its parameters
     List(List),
     /// Writes one of the parametric scenes, or lists them
@@ -226,6 +228,23 @@ pub struct Explain {
     /// Lights to show, the brightest first
     #[arg(long, default_value_t = 10)]
     pub lights: usize,
+}
+
+/// Says what a scene holds: shapes, materials, lights, media, textures and memory; and what each method leaves out of it.
+#[derive(Debug, Args)]
+pub struct Info {
+    /// Scene file (Mitsuba 3 XML)
+    #[arg(value_name = "SCENE.xml")]
+    pub scene: PathBuf,
+    /// Only this method, with its parameters
+    #[arg(long, value_name = "NAME")]
+    pub method: Option<String>,
+    /// Sets a parameter of the method (may be repeated)
+    #[arg(short = 'P', value_name = "key=value", value_parser = key_value, requires = "method")]
+    pub parameters: Vec<(String, String)>,
+    /// Fills in $name in the scene file (may be repeated)
+    #[arg(short = 'D', value_name = "name=value", value_parser = key_value)]
+    pub defines: Vec<(String, String)>,
 }
 
 /// Lists the methods, or describes one with its parameters.

@@ -5,6 +5,7 @@ mod compare;
 mod diff;
 mod explain;
 mod failure;
+mod info;
 mod interrupt;
 mod lights;
 mod list;
@@ -33,6 +34,7 @@ fn main() -> ExitCode {
         Command::Diff(args) => diff::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Explain(args) => explain::run(&args),
+        Command::Info(args) => info::run(&args),
         Command::List(args) => list::run(&args),
         Command::Scene(args) => scene::run(&args),
     };

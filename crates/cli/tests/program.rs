@@ -220,6 +220,36 @@ fn list_shows_the_methods_and_what_each_promises() {
     assert!(out.contains("Keller") && out.contains("paths") && out.contains("bound"), "{out}");
 }
 #[test]
+fn info_counts_what_a_scene_holds_and_says_what_methods_miss() {
+    let here = workplace();
+    let (out, _) = ends_with(0, &here, "info lamp.xml");
+    for line in [
+        "24 x 16 pixels",
+        "2 meshes of 4 triangles",
+        "area: 1 (2 triangles)",
+        "diffuse: 2",
+        "nothing that light goes through",
+    ] {
+        assert!(out.contains(line), "no `{line}` in\n{out}");
+    }
+    let glass = SCENE.replace("</scene>", "<shape type=\"sphere\"><bsdf type=\"dielectric\"/></shape></scene>");
+    fs::write(here.path().join("glass.xml"), glass).unwrap();
+    let (out, _) = ends_with(0, &here, "info glass.xml --method power-sampling -P paths=7");
+    for line in [
+        "1 sphere",
+        "dielectric: 1",
+        "mirrors or glass",
+        "power-sampling",
+        "leaves out the light that reaches a surface",
+    ] {
+        assert!(out.contains(line), "no `{line}` in\n{out}");
+    }
+    assert!(!out.contains("light-tracing"), "{out}");
+    is_refused(&here, "info glass.xml --method power", "power-sampling");
+    is_refused(&here, "info none.xml", "none.xml");
+}
+
+#[test]
 fn a_parametric_scene_is_written_and_can_be_rendered() {
     let here = workplace();
     let (out, _) = ends_with(0, &here, "scene");
@@ -243,7 +273,7 @@ fn help_shows_only_what_there_is() {
     let (out, _) = ends_with(0, &here, "--help");
     let commands = out.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let names: Vec<_> = commands.filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(names, ["render", "lights", "diff", "compare", "explain", "list", "scene", "help"]);
+    assert_eq!(names, ["render", "lights", "diff", "compare", "explain", "info", "list", "scene", "help"]);
     ends_with(0, &here, "--version");
     ends_with(1, &here, "");
 }

@@ -238,6 +238,21 @@ impl Emitters {
         }
         all
     }
+    /// What they are, by the names of Mitsuba's plugins.
+    pub(crate) fn kinds(&self) -> impl Iterator<Item = &'static str> {
+        self.samplers.iter().map(|sampler| match sampler {
+            Sampler::Area { .. } => "area",
+            Sampler::Point { .. } => "point",
+            Sampler::Directional { .. } => "directional",
+            Sampler::Constant { .. } => "constant",
+            Sampler::Environment(_) => "envmap",
+        })
+    }
+    /// Memory of environment maps. \[byte\]
+    pub(crate) fn image_bytes(&self) -> usize {
+        let of = |s: &Sampler| if let Sampler::Environment(map) = s { map.bytes() } else { 0 };
+        self.samplers.iter().map(of).sum()
+    }
     /// How many there are.
     pub fn len(&self) -> usize {
         self.samplers.len()

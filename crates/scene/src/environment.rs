@@ -22,6 +22,10 @@ pub struct Environment {
 }
 
 impl Environment {
+    /// Memory of its image. \[byte\]
+    pub(crate) fn bytes(&self) -> usize {
+        self.image.pixels.len() * size_of::<Spectrum>()
+    }
     /// `None` if the map is narrower than 1 or lower than 2 pixels, or the rotation is singular.
     pub fn new(image: Arc<Bitmap>, scale: f32, to_world: &DAffine3) -> Option<Self> {
         let (w, h) = (image.width, image.height);

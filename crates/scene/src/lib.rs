@@ -29,6 +29,7 @@ mod camera;
 mod emitter;
 mod environment;
 mod filter;
+mod inventory;
 mod mask;
 mod material;
 mod media;
@@ -41,6 +42,7 @@ pub use camera::Camera;
 pub use emitter::{Emission, Emitter, EmitterPart, EmitterSample, Emitters, Part, PartAxis};
 pub use environment::Environment;
 pub use filter::{Filter, FilterSampler};
+pub use inventory::Inventory;
 pub use manylight_bsdf::{Bsdf, Lobe, Mode};
 pub use manylight_geometry::Simd;
 pub use manylight_media::{

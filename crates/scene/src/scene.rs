@@ -262,7 +262,7 @@ pub(crate) struct Placed {
     name: String,
     pub(crate) material: MaterialId,
     radiance: Option<Source>,
-    emitter: u32,
+    pub(crate) emitter: u32,
 }
 
 /// Everything that is rendered. Read-only while rendering.
@@ -339,6 +339,14 @@ impl Scene {
     /// A medium; `None` for vacuum.
     pub fn medium(&self, id: MediumId) -> Option<&Medium> {
         self.media.as_ref()?.get(id)
+    }
+    /// All media.
+    pub(crate) fn media(&self) -> &[Medium] {
+        self.media.as_ref().map_or(&[], |m| &m.list)
+    }
+    /// The surfaces that only part media.
+    pub(crate) fn boundaries(&self) -> Option<&Geometry> {
+        Some(self.media.as_ref()?.boundaries.as_ref()?.geometry().0)
     }
     /// The pieces of (0, t_max) of a ray that lie in media, in order.
     pub fn runs(&self, ray: &Ray) -> Vec<Run> {
