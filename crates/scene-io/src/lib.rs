@@ -20,6 +20,7 @@ mod assets;
 mod build;
 mod diagnostic;
 mod document;
+pub mod formats;
 mod image;
 mod ior;
 mod mesh;

@@ -79,6 +79,12 @@ const SCENE: &str = r#"<scene version="3.0.0">
     <shape type="cube"><transform name="to_world"><rotate y="1" angle="30"/><scale value="2"/><translate x="1"/></transform><ref id="c"/></shape>
     <shape type="disk"><transform name="to_world"><matrix value="1 0 0 0 0 1 0 0 0 0 1 2 0 0 0 1"/></transform><ref id="d"/></shape>
     <shape type="rectangle"><ref id="a"/><emitter type="area"><rgb name="radiance" value="17 12 4"/></emitter></shape>
+    <bsdf type="mask" id="e"><float name="opacity" value="0.4"/><bsdf type="blendbsdf"><float name="weight" value="0.3"/><ref id="a"/>
+        <bsdf type="twosided"><bsdf type="roughplastic"><float name="alpha" value="0.2"/></bsdf></bsdf></bsdf></bsdf>
+    <bsdf type="roughdielectric" id="f"><texture type="checkerboard" name="alpha"/></bsdf><alias id="f" as="g"/>
+    <shape type="shapegroup" id="s"><shape type="cube"><ref id="e"/></shape></shape>
+    <shape type="instance"><ref id="s"/><transform name="to_world"><translate y="3"/></transform></shape>
+    <shape type="cylinder"><point name="p1" value="0 1 1"/><ref id="g"/></shape>
     <emitter type="point"><point name="position" value="1 2 3"/><spectrum name="intensity" value="3"/></emitter>
     <emitter type="directional"><vector name="direction" x="0" y="-1" z="0"/></emitter>
     <emitter type="constant"/>
@@ -121,7 +127,8 @@ fn mutated_scenes_are_read_or_refused() {
             }
         }
     };
-    let accepted = storm(10_000, &[SCENE.into()], &words, 1, read);
+    // A cylinder is 1024 triangles, whatever its element is.
+    let accepted = storm(10_000, &[SCENE.into()], &words, 50, read);
     assert!(accepted > 30, "{accepted}: the mutations are too coarse to get far");
 }
 
@@ -225,6 +232,38 @@ fn mutated_images_are_read_or_refused() {
     ];
     let accepted = storm(12_000, &seeds, &words, 10_000, |b| image::read(b, false).ok().map(|i| i.pixels.len()));
     assert!(accepted > 100, "{accepted}");
+}
+
+#[test]
+fn mutated_grids_are_read_or_refused() {
+    let mut grid = b"VOL\x03".to_vec();
+    grid.extend([1, 2, 3, 2, 1].iter().flat_map(|i: &i32| i.to_le_bytes()));
+    grid.extend([0.0f32, 0.0, 0.0, 1.0, 1.0, 1.0].iter().flat_map(|x| x.to_le_bytes()));
+    grid.extend((0..12).flat_map(|i| (i as f32).to_le_bytes()));
+    let words = ["VOL", "\0\0\0\0", "\u{7f}\u{7f}\u{7f}\u{7f}", "\u{1}\0\0\0", "\u{3}"];
+    let accepted = storm(40_000, &[grid], &words, 1, |b| crate::vol::read(b).ok().map(|g| g.values.len()));
+    assert!(accepted > 100, "{accepted}");
+}
+
+#[test]
+fn what_would_grow_without_end_is_refused() {
+    let errors = |body: &str| {
+        let text =
+            format!("<scene version=\"3.0.0\"><sensor type=\"perspective\"/><shape type=\"cube\"/>{body}</scene>");
+        parse(&text, Path::new("t.xml"), Path::new("."), &LoadOptions::default()).unwrap_err().to_string()
+    };
+    // Each blend is twice the one before it.
+    let blends: String = (1..30)
+        .map(|i| {
+            let inner = format!("<ref id=\"b{}\"/>", i - 1).repeat(2);
+            format!("<bsdf type=\"blendbsdf\" id=\"b{i}\"><float name=\"weight\" value=\"0.5\"/>{inner}</bsdf>")
+        })
+        .collect();
+    assert!(errors(&("<bsdf type=\"diffuse\" id=\"b0\"/>".to_owned() + &blends)).contains("blends of more than 64"));
+    // 500 instances of 500 cylinders.
+    let group = format!("<shape type=\"shapegroup\" id=\"g\">{}</shape>", "<shape type=\"cylinder\"/>".repeat(500));
+    let instances = "<shape type=\"instance\"><ref id=\"g\"/></shape>".repeat(500);
+    assert!(errors(&(group + &instances)).contains("triangles, as every instance is a copy"));
 }
 
 #[test]

@@ -16,7 +16,7 @@ const MITSUBA: [&str; 8] =
     ["serialized", "bsplinecurve", "linearcurve", "sdfgrid", "merge", "ellipsoids", "ellipsoidsmesh", "mesh"];
 
 /// Instances are copied out: more triangles than this are more than they are meant for.
-const MOST_TRIANGLES: usize = 200_000_000;
+const MOST_TRIANGLES: usize = 50_000_000;
 
 /// A shape that is read, but whose mesh is not yet placed.
 struct Plan<'a> {
@@ -31,7 +31,19 @@ struct Plan<'a> {
 enum Planned<'a> {
     Ready(ShapeGeometry, At),
     Mesh(&'a RawMesh, Placement, At),
+    Cylinder(Cylinder, At),
 }
+
+/// Open at both ends.
+struct Cylinder {
+    ends: [DVec3; 2],
+    radius: f64,
+    to_world: DAffine3,
+    flip_normals: bool,
+}
+
+/// Facets of a cylinder.
+const SIDES: u32 = 512;
 
 impl<'a> Builder<'a> {
     /// All shapes, in the order of the file; meshes are placed in parallel.
@@ -70,7 +82,7 @@ impl<'a> Builder<'a> {
                 raw.remarks.iter().for_each(|r| self.report.warn(at, format!("`{name}`: {r}")));
                 at
             }
-            Planned::Ready(_, at) => at,
+            Planned::Ready(_, at) | Planned::Cylinder(_, at) => at,
         };
         match placed {
             Ok((Some(geometry), dropped)) => {
@@ -194,13 +206,13 @@ impl<'a> Builder<'a> {
                 ShapeGeometry::Sphere(sphere)
             }
             "cylinder" => {
-                let [p0, p1] =
-                    [("p0", DVec3::ZERO), ("p1", DVec3::Z)].map(|(n, default)| q.point(n).unwrap_or(default));
-                let Some(mesh) = cylinder(p0, p1, q.positive("radius", 1.0), &to_world) else {
+                let ends = [("p0", DVec3::ZERO), ("p1", DVec3::Z)].map(|(n, default)| q.point(n).unwrap_or(default));
+                let radius = q.positive("radius", 1.0);
+                if (ends[1] - ends[0]).try_normalize().is_none() {
                     q.error("`p0` and `p1` of a cylinder must not be the same point");
                     return None;
-                };
-                flat_faced(mesh, &to_world, flip_normals)
+                }
+                return Some(Planned::Cylinder(Cylinder { ends, radius, to_world, flip_normals }, q.object.at));
             }
             "disk" => {
                 let Some(disk) = disk(&to_world, flip_normals) else {
@@ -234,12 +246,16 @@ impl Planned<'_> {
             Planned::Ready(ShapeGeometry::Mesh(mesh), _) => mesh.triangles.len(),
             Planned::Ready(..) => 1,
             Planned::Mesh(raw, ..) => raw.triangles.len(),
+            Planned::Cylinder(..) => 2 * SIDES as usize,
         }
     }
     /// The geometry, if any of it has an area, and how many triangles were dropped.
     fn place(&self) -> Result<(Option<ShapeGeometry>, usize), String> {
         match self {
             Planned::Ready(geometry, _) => Ok((Some(geometry.clone()), 0)),
+            Planned::Cylinder(cylinder, _) => {
+                Ok((Some(flat_faced(cylinder.mesh(), &cylinder.to_world, cylinder.flip_normals)), 0))
+            }
             Planned::Mesh(raw, placement, _) => {
                 mesh::place(raw, placement).map(|(mesh, dropped)| (mesh.map(ShapeGeometry::Mesh), dropped))
             }
@@ -255,28 +271,29 @@ fn flat_faced(mut mesh: TriangleMesh, to_world: &DAffine3, flip_normals: bool) -
     ShapeGeometry::Mesh(mesh)
 }
 
-/// An open cylinder, as a mesh of its normals and texture coordinates (u around, v along): no farther than 2e-5 radii from it.
-fn cylinder(p0: DVec3, p1: DVec3, radius: f64, to_world: &DAffine3) -> Option<TriangleMesh> {
-    const SIDES: u32 = 512;
-    let axis = (p1 - p0).try_normalize()?;
-    let frame = Frame::around(axis.as_vec3());
-    let mut mesh = TriangleMesh::default();
-    for i in 0..=SIDES {
-        let u = f64::from(i) / f64::from(SIDES);
-        let (sin, cos) = (u * std::f64::consts::TAU).sin_cos();
-        let out = frame.s.as_dvec3() * cos + frame.t.as_dvec3() * sin;
-        for (v, end) in [(0.0, p0), (1.0, p1)] {
-            mesh.positions.push((end + out * radius).as_vec3());
-            mesh.normals.push(out.as_vec3());
-            mesh.uvs.push(Vec2::new(u as f32, v));
+impl Cylinder {
+    /// A mesh with its normals and texture coordinates (u around, v along): no farther than 2e-5 radii from it.
+    fn mesh(&self) -> TriangleMesh {
+        let [p0, p1] = self.ends;
+        let frame = Frame::around((p1 - p0).normalize_or(DVec3::Z).as_vec3());
+        let mut mesh = TriangleMesh::default();
+        for i in 0..=SIDES {
+            let u = f64::from(i) / f64::from(SIDES);
+            let (sin, cos) = (u * std::f64::consts::TAU).sin_cos();
+            let out = frame.s.as_dvec3() * cos + frame.t.as_dvec3() * sin;
+            for (v, end) in [(0.0, p0), (1.0, p1)] {
+                mesh.positions.push((end + out * self.radius).as_vec3());
+                mesh.normals.push(out.as_vec3());
+                mesh.uvs.push(Vec2::new(u as f32, v));
+            }
+            if i < SIDES {
+                let a = 2 * i;
+                mesh.triangles.extend([[a, a + 2, a + 1], [a + 1, a + 2, a + 3]]);
+            }
         }
-        if i < SIDES {
-            let a = 2 * i;
-            mesh.triangles.extend([[a, a + 2, a + 1], [a + 1, a + 2, a + 3]]);
-        }
+        mesh.transform(&self.to_world);
+        mesh
     }
-    mesh.transform(to_world);
-    Some(mesh)
 }
 
 /// The unit vectors along the axes of a transform; left-handed if it mirrors.

@@ -1,0 +1,27 @@
+//! The files that scenes name, one format at a time: is a file's content what it should be? For fuzzing, and for tools.
+
+use crate::mesh::{obj, ply};
+use crate::{image, vol};
+
+/// A format of files beside the scene's own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Wavefront OBJ, whose MTL files are not read.
+    Obj,
+    /// Stanford PLY.
+    Ply,
+    /// A grid of Mitsuba's.
+    Vol,
+    /// PNG, JPEG, Radiance HDR or OpenEXR, by its content.
+    Image,
+}
+
+/// How much is in a file (vertices and triangles, voxels or pixels), or why it cannot be read.
+pub fn check(format: Format, bytes: &[u8]) -> Result<usize, String> {
+    match format {
+        Format::Obj => obj::read(bytes).map(|m| m.positions.len() + m.triangles.len()),
+        Format::Ply => ply::read(bytes).map(|m| m.positions.len() + m.triangles.len()),
+        Format::Vol => vol::read(bytes).map(|g| g.values.len()),
+        Format::Image => image::read(bytes, false).map(|i| i.pixels.len()),
+    }
+}
