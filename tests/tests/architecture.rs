@@ -14,7 +14,21 @@ const FLOORS: &[(u32, &[&str])] = &[
     (3, &["bsdf", "media"]),
     (4, &["scene"]),
     (5, &["framework", "scene-io"]),
-    (6, &["vpl", "compensation", "lgh", "light-list", "lamps", "light-tree", "many-lights", "reference", "render"]),
+    (
+        6,
+        &[
+            "vpl",
+            "compensation",
+            "lgh",
+            "light-list",
+            "lamps",
+            "light-tree",
+            "many-lights",
+            "reference",
+            "render",
+            "volume-lights",
+        ],
+    ),
     (7, &["metropolis-ir", "vrl", "vsl"]),
     (RECIPES, &["recipes", "report"]),
     (9, &["cli"]),
@@ -44,11 +58,20 @@ const NEVER: &[(&str, &[&str], &str)] = &[
 ];
 
 /// Crates that share no transport code, directly or by way of others, else the yardstick errs with what it measures.
-const APART: [&str; 4] = ["reference", "vpl", "many-lights", "lamps"];
+const APART: [&str; 5] = ["reference", "vpl", "many-lights", "lamps", "volume-lights"];
 
 /// Parts that only `recipes` and what is above it may name.
-const PARTS: &[&str] =
-    &["compensation", "lamps", "lgh", "light-list", "light-tree", "many-lights", "reference", "render"];
+const PARTS: &[&str] = &[
+    "compensation",
+    "lamps",
+    "lgh",
+    "light-list",
+    "light-tree",
+    "many-lights",
+    "reference",
+    "render",
+    "volume-lights",
+];
 
 /// What only some crates may do to the world: what, as it looks in a source, who may.
 const WORLDLY: &[(&str, &[&str], &[&str])] = &[

@@ -265,7 +265,7 @@ fn methods_that_know_no_media_say_so() {
     for m in manylight_recipes::methods() {
         let built = manylight_recipes::build(m.name, &[], &scene);
         match m.name {
-            "path" | "media-vpl" | "vrl" => assert!(built.is_ok()),
+            "path" | "media-vpl" | "vrl" | "lgh" => assert!(built.is_ok()),
             _ => assert!(built.err().unwrap().to_string().contains("knows nothing of them: use `path`"), "{}", m.name),
         }
     }

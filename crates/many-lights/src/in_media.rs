@@ -82,7 +82,7 @@ where
 /// The composite where there are media: what light sets bring to surfaces, seen through the media, and what they bring to the
 /// media along the camera's ray,
 ///
-/// > L = T(0,s) L(surface) + int T(0,u) sigma_s(u) (direct light + lights)(u) du.
+/// > L = T(0,s) L(surface) + int T(0,u) \[j(u) + sigma_s(u) (direct light + lights)(u)\] du.
 ///
 /// Lights are of a generator that knows media. Without media it is [`ManyLights`].
 pub struct InMedia<L, P, K, B, M> {
@@ -116,6 +116,9 @@ where
         let (mut sum, mut through) = (Spectrum::BLACK, Spectrum::ONE);
         for run in scene.runs(ray) {
             let Some(medium) = scene.medium(run.medium) else { continue };
+            if medium.emits() && self.lights.counts(edges) {
+                sum += through * medium.emitted(ray, run.from, run.to, s);
+            }
             if !medium.scattering_max().is_black() && edges < self.lights.max_edges {
                 let ray = Ray { t_max: run.to - run.from, ..Ray::new(ray.at(run.from), ray.dir) }.within(run.medium);
                 let ray = Ray { t_max: ray.t_max.min(medium.reach(&ray, OPAQUE)), ..ray };

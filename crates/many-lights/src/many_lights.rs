@@ -231,7 +231,7 @@ impl<L, P: Promise, K: Promise, B: BoundingPlan> Promise for ManyLights<L, P, K,
     fn claim(&self) -> Claim {
         let bounded = self.compensation.repairs(self.bounding.claim());
         let generated = self.generator.claim();
-        if generated.misses.contains(PathClasses::INDIRECT) && !generated.noisy {
+        if generated == (Claim { misses: PathClasses::INDIRECT, ..Claim::EXACT }) {
             // No lights: only direct light is left, which is sampled.
             return Claim { noisy: true, ..generated };
         }

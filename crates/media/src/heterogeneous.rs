@@ -1,8 +1,9 @@
 //! A medium whose density varies.
 
+use crate::march::{CELLS, cells, inside};
 use crate::volume::{Grid, Volume};
-use crate::{Flight, HenyeyGreenstein, MediumError};
-use manylight_math::{DVec3, Ray, Spectrum, Vec3};
+use crate::{Flight, Glow, HenyeyGreenstein, MediumError};
+use manylight_math::{Ray, Spectrum, Vec3};
 use manylight_sampling::Stream;
 
 /// A medium whose extinction is a grid: free flight by delta tracking, transmittance by ratio tracking, both below a coarse
@@ -19,10 +20,8 @@ pub struct Heterogeneous {
     majorants: Vec<f32>,
     largest: f32,
     mean: f32,
+    emission: Option<Glow>,
 }
-
-/// Cells of majorants along each axis.
-const CELLS: usize = 16;
 
 impl Heterogeneous {
     /// Extinction `grid` x `scale` [1/m], and an albedo in [0, 1].
@@ -42,7 +41,36 @@ impl Heterogeneous {
             return Err(MediumError::Coefficients);
         }
         let mean = extinction.mean().mean() * scale;
-        Ok(Heterogeneous { extinction, scale, albedo, phase, majorants, largest, mean })
+        Ok(Heterogeneous { extinction, scale, albedo, phase, majorants, largest, mean, emission: None })
+    }
+    /// The same, which also emits.
+    pub fn emitting(self, emission: Glow) -> Self {
+        Heterogeneous { emission: Some(emission), ..self }
+    }
+    /// What it emits, if anything.
+    pub fn emission(&self) -> Option<&Glow> {
+        self.emission.as_ref()
+    }
+    /// sigma_a at a point. [1/m]
+    pub fn absorption(&self, p: Vec3) -> Spectrum {
+        self.extinction(p) * (Spectrum::ONE - self.albedo.at(p))
+    }
+    /// int T(from, t) j(t) dt: a point for each cell on the way that emits, with the transmittance of the way to it.
+    pub fn emitted(&self, ray: &Ray, from: f32, to: f32, s: &mut Stream) -> Spectrum {
+        let Some(emission) = &self.emission else { return Spectrum::BLACK };
+        let (mut sum, mut through, mut reached) = (Spectrum::BLACK, Spectrum::ONE, from);
+        emission.pieces(ray, from, to, |a, b| {
+            let t = (a + s.next_f64() * (b - a)) as f32;
+            let here = emission.at(ray.at(t));
+            if !here.is_black() {
+                // Pieces do not overlap: a product of independent estimates.
+                through *= self.transmittance(ray, reached, t.max(reached), s);
+                reached = t.max(reached);
+                sum += through * here * (b - a) as f32;
+            }
+            !through.is_black()
+        });
+        sum
     }
     /// Is its extinction the same in all channels? Then flights have no weights but the albedo.
     pub fn is_gray(&self) -> bool {
@@ -69,24 +97,7 @@ impl Heterogeneous {
     }
     /// How far along a ray the grid's cube reaches; zero if the ray misses it. \[m\]
     pub fn reach(&self, ray: &Ray) -> f32 {
-        self.inside(ray, 0.0, f64::from(ray.t_max)).map_or(0.0, |(_, t1)| t1 as f32)
-    }
-    /// The part of [from, to] that lies in the unit cube.
-    fn inside(&self, ray: &Ray, from: f64, to: f64) -> Option<(f64, f64)> {
-        let (o, d) = (self.extinction.local(ray.origin), self.extinction.local_direction(ray.dir));
-        let (mut t0, mut t1) = (from, to);
-        for axis in 0..3 {
-            if d[axis] == 0.0 {
-                if !(0.0..=1.0).contains(&o[axis]) {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = (-o[axis] / d[axis], (1.0 - o[axis]) / d[axis]);
-            t0 = t0.max(a.min(b));
-            t1 = t1.min(a.max(b));
-        }
-        (t0 < t1).then_some((t0, t1))
+        inside(&self.extinction, ray, 0.0, f64::from(ray.t_max)).map_or(0.0, |(_, t1)| t1 as f32)
     }
     /// Shows the tentative collisions on a ray, of density equal to the majorant, until `visit` says false: distance, sigma_t
     /// there and the majorant.
@@ -98,49 +109,22 @@ impl Heterogeneous {
         s: &mut Stream,
         mut visit: impl FnMut(f32, Spectrum, f32, &mut Stream) -> bool,
     ) {
-        let Some((t0, t1)) = self.inside(ray, f64::from(from), f64::from(to)) else { return };
-        let n = CELLS as f64;
-        let (o, d) = (self.extinction.local(ray.origin) * n, self.extinction.local_direction(ray.dir) * n);
-        let start: DVec3 = o + d * t0;
-        let mut cell: [i64; 3] = [0, 1, 2].map(|a| (start[a].floor() as i64).clamp(0, CELLS as i64 - 1));
-        let step = [0, 1, 2].map(|a| if d[a] > 0.0 { 1i64 } else { -1 });
-        // Where the ray leaves the cell along each axis.
-        let exit = |a: usize, cell: i64| {
-            if d[a] == 0.0 { f64::INFINITY } else { ((cell + i64::from(step[a] > 0)) as f64 - o[a]) / d[a] }
-        };
-        let mut next = [0, 1, 2].map(|a| exit(a, cell[a]));
-        let mut t = t0;
         // The optical depth, by the majorant, that is left until the next tentative collision.
-        let mut left = -(-s.next_f64()).ln_1p();
-        loop {
-            let axis = if next[0] <= next[1] && next[0] <= next[2] {
-                0
-            } else if next[1] <= next[2] {
-                1
-            } else {
-                2
-            };
-            let end = next[axis].min(t1);
-            let majorant = self.majorants[((cell[2] as usize * CELLS) + cell[1] as usize) * CELLS + cell[0] as usize];
-            while f64::from(majorant) * (end - t) > left {
-                t += left / f64::from(majorant);
+        let mut left = None;
+        cells(&self.extinction, ray, from, to, |cell, begin, end| {
+            let (majorant, mut t) = (self.majorants[cell], begin);
+            let left = left.get_or_insert_with(|| -(-s.next_f64()).ln_1p());
+            while f64::from(majorant) * (end - t) > *left {
+                t += *left / f64::from(majorant);
                 let at = t as f32;
                 if !visit(at, self.extinction(ray.at(at)), majorant, s) {
-                    return;
+                    return false;
                 }
-                left = -(-s.next_f64()).ln_1p();
+                *left = -(-s.next_f64()).ln_1p();
             }
-            left -= f64::from(majorant) * (end - t).max(0.0);
-            if end >= t1 {
-                return;
-            }
-            t = t.max(end);
-            cell[axis] += step[axis];
-            if !(0..CELLS as i64).contains(&cell[axis]) {
-                return;
-            }
-            next[axis] = exit(axis, cell[axis]);
-        }
+            *left -= f64::from(majorant) * (end - t).max(0.0);
+            true
+        });
     }
     /// Ratio tracking: the product of 1 - sigma_t / majorant over tentative collisions (Novak et al. 2014).
     pub fn transmittance(&self, ray: &Ray, from: f32, to: f32, s: &mut Stream) -> Spectrum {

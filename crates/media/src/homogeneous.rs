@@ -13,6 +13,8 @@ pub struct Homogeneous {
     pub extinction: Spectrum,
     /// Its phase function.
     pub phase: HenyeyGreenstein,
+    /// j [W/(m^3 sr)]
+    pub emission: Spectrum,
 }
 
 impl Homogeneous {
@@ -20,7 +22,19 @@ impl Homogeneous {
     pub fn new(scattering: Spectrum, extinction: Spectrum, phase: HenyeyGreenstein) -> Result<Self, MediumError> {
         let (s, t) = (scattering.to_array(), extinction.to_array());
         let ok = scattering.is_valid() && extinction.is_valid() && (0..3).all(|c| s[c] <= t[c] * 1.000001);
-        ok.then_some(Homogeneous { scattering, extinction, phase }).ok_or(MediumError::Coefficients)
+        let emission = Spectrum::BLACK;
+        ok.then_some(Homogeneous { scattering, extinction, phase, emission }).ok_or(MediumError::Coefficients)
+    }
+    /// The same, which also emits j [W/(m^3 sr)], in channels only in which it is not clear: else an endless ray were endlessly bright.
+    pub fn emitting(self, emission: Spectrum) -> Result<Self, MediumError> {
+        let (j, t) = (emission.to_array(), self.extinction.to_array());
+        let ok = emission.is_valid() && (0..3).all(|c| j[c] == 0.0 || t[c] > 0.0);
+        ok.then_some(Homogeneous { emission, ..self }).ok_or(MediumError::Emission)
+    }
+    /// j (1 - exp(-sigma_t t)) / sigma_t: what a run of this length emits to its beginning. [W/(m^2 sr)]
+    pub fn emitted(&self, t: f32) -> Spectrum {
+        let (j, sigma) = (self.emission.to_array(), self.extinction.to_array());
+        Spectrum::from([0, 1, 2].map(|c| if j[c] > 0.0 { -(-sigma[c] * t).exp_m1() / sigma[c] * j[c] } else { 0.0 }))
     }
     /// exp(-sigma_t t)
     pub fn transmittance(&self, t: f32) -> Spectrum {

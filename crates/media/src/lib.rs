@@ -1,11 +1,11 @@
-//! Media that scatter and absorb: fog, smoke, juice.
+//! Media that scatter, absorb and emit: fog, smoke, juice, fire.
 //!
 //! With sigma_t = sigma_a + sigma_s [1/m] and a phase function f [1/sr] that integrates to one, along a ray
 //!
-//! > L(0) = int T(0,t) sigma_s(t) int f L(w) dw dt + T(0,s) L(s),    T(a,b) = exp(-int_a^b sigma_t).
+//! > L(0) = int T(0,t) \[j(t) + sigma_s(t) int f L(w) dw\] dt + T(0,s) L(s),    T(a,b) = exp(-int_a^b sigma_t).
 //!
-//! [`Medium::fly`] draws t, [`Medium::transmittance`] estimates T; both are unbiased in each channel, though the channels
-//! share one draw.
+//! [`Medium::fly`] draws t, [`Medium::transmittance`] estimates T, [`Medium::emitted`] the integral over the
+//! emission j; all are unbiased in each channel, though the channels share one draw.
 //!
 //! ```
 //! use manylight_math::{Ray, Spectrum, Vec3};
@@ -18,12 +18,16 @@
 //! assert!((t.luminance() - (-1.0f32).exp()).abs() < 1e-6);
 //! ```
 
+pub mod blackbody;
+mod glow;
 mod heterogeneous;
 mod homogeneous;
+mod march;
 mod medium;
 mod phase;
 mod volume;
 
+pub use glow::Glow;
 pub use heterogeneous::Heterogeneous;
 pub use homogeneous::Homogeneous;
 pub use medium::{Flight, Medium, MediumError};

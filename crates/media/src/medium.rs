@@ -31,6 +31,11 @@ pub enum MediumError {
     /// Coefficients that make no sense.
     #[error("coefficients of a medium must be finite, not negative, and scattering must not exceed extinction")]
     Coefficients,
+    /// Emission that makes no sense.
+    #[error(
+        "emission must be finite and not negative, and a homogeneous medium must not be clear in a channel in which it emits"
+    )]
+    Emission,
 }
 
 /// A medium.
@@ -74,6 +79,21 @@ impl Medium {
         match self {
             Medium::Homogeneous(m) => m.scattering,
             Medium::Heterogeneous(m) => m.scattering_max(),
+        }
+    }
+    /// Does it emit?
+    pub fn emits(&self) -> bool {
+        match self {
+            Medium::Homogeneous(m) => !m.emission.is_black(),
+            Medium::Heterogeneous(m) => m.emission().is_some_and(|e| !e.is_black()),
+        }
+    }
+    /// An estimate of what emission between two distances of a ray brings to the first, int T(from, t) j(t) dt; exact where there is
+    /// a closed form, and then nothing is drawn. [W/(m^2 sr)]
+    pub fn emitted(&self, ray: &Ray, from: f32, to: f32, s: &mut Stream) -> Spectrum {
+        match self {
+            Medium::Homogeneous(m) => m.emitted(to - from),
+            Medium::Heterogeneous(m) => m.emitted(ray, from, to, s),
         }
     }
     /// Mean of the channels' extinction, for densities. [1/m]

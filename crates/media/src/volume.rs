@@ -56,6 +56,42 @@ impl Grid {
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
+    fn to_world(&self) -> DAffine3 {
+        self.to_local.inverse()
+    }
+    /// How values between the grid's are made.
+    pub fn interpolation(&self) -> Interpolation {
+        self.interpolation
+    }
+    /// Voxels along each axis.
+    pub fn size(&self) -> [usize; 3] {
+        self.size
+    }
+    /// The value of a voxel.
+    pub fn value(&self, [i, j, k]: [usize; 3]) -> Spectrum {
+        self.values[(k * self.size[1] + j) * self.size[0] + i]
+    }
+    /// The middle of a voxel. \[m\]
+    pub fn centre(&self, voxel: [usize; 3]) -> DVec3 {
+        let at = |axis: usize| (voxel[axis] as f64 + 0.5) / self.size[axis] as f64;
+        self.to_world().transform_point3(DVec3::new(at(0), at(1), at(2)))
+    }
+    /// Edges of a voxel. \[m\]
+    pub fn voxel(&self) -> [DVec3; 3] {
+        let m = self.to_world().matrix3;
+        [m.x_axis / self.size[0] as f64, m.y_axis / self.size[1] as f64, m.z_axis / self.size[2] as f64]
+    }
+    /// Volume of the whole cube. [m^3]
+    pub fn volume(&self) -> f64 {
+        self.to_world().matrix3.determinant().abs()
+    }
+    /// A grid of the same shape whose values are made of this one's, and of where they stand.
+    pub fn made(&self, of: impl Fn(Vec3, Spectrum) -> Spectrum) -> Result<Grid, MediumError> {
+        let [nx, ny, _] = self.size;
+        let place = |n: usize| self.centre([n % nx, n / nx % ny, n / nx / ny]).as_vec3();
+        let values = self.values.iter().enumerate().map(|(n, v)| of(place(n), *v)).collect();
+        Grid::new(self.size, values, &self.to_world(), self.interpolation)
+    }
     /// Mean of all values.
     pub fn mean(&self) -> Spectrum {
         let mut sum = [0.0f64; 3];

@@ -42,6 +42,14 @@ pub enum RecipeError {
         /// Those that do.
         use_: &'static [&'static str],
     },
+    /// The method does not see media shine.
+    #[error("a medium of the scene emits light, and `{method}` would leave it out: use {}", all(use_))]
+    Fire {
+        /// The method.
+        method: String,
+        /// Those that do.
+        use_: &'static [&'static str],
+    },
     /// Two parameters say contrary things.
     #[error("{0}")]
     Contrary(String),

@@ -2,7 +2,7 @@
 
 use crate::error::near;
 use crate::params::{BIDIRECTIONAL, COMMON, PATH, TRACERS};
-use crate::parts::{MANY_LIGHTS, media};
+use crate::parts::{MANY_LIGHTS, media, volume};
 use crate::values::Values;
 use crate::{Param, RecipeError, parts, path_lights, yardsticks};
 use manylight_framework::{Claim, Method, PathClasses};
@@ -123,6 +123,15 @@ static METHODS: &[MethodInfo] = &[
         compose: media::rays,
     },
     MethodInfo {
+        name: "lgh",
+        summary: "fire: media that shine as one light a voxel, those nearby as they are, those far away averaged on grids; light is \
+                  scattered once",
+        paper: "Yuksel and Yuksel 2017, Lighting grid hierarchy for self-illuminating explosions",
+        own: volume::LGH,
+        presets: &[],
+        compose: volume::lgh,
+    },
+    MethodInfo {
         name: "path-lights",
         summary: "path tracing whose next-event estimation is a light set over the emitters",
         paper: "Conty Estevez and Kulla 2018, Importance sampling of many lights with adaptive tree splitting; Yuksel 2019, Stochastic lightcuts",
@@ -157,7 +166,9 @@ static METHODS: &[MethodInfo] = &[
 ];
 
 /// Methods that scatter in media; the others would leave out what media take and give.
-const IN_MEDIA: &[&str] = &["path", "media-vpl", "vrl"];
+const IN_MEDIA: &[&str] = &["path", "media-vpl", "vrl", "lgh"];
+/// Methods that see media shine; the others would leave that light out.
+const IN_FIRE: &[&str] = &["path", "lgh"];
 
 impl MethodInfo {
     /// Its parameters.
@@ -191,8 +202,12 @@ pub fn methods() -> &'static [MethodInfo] {
     METHODS
 }
 
-/// What renders a scene if nobody says: the first of all methods, or virtual ray lights where there are media.
+/// What renders a scene if nobody says: the first of all methods, or virtual ray lights where there are media, and the lighting grid
+/// hierarchy where these shine.
 pub fn default_method(scene: &Scene) -> &'static str {
+    if scene.media_emit() {
+        return "lgh";
+    }
     if scene.has_media() { "vrl" } else { METHODS[0].name }
 }
 
@@ -227,6 +242,9 @@ pub fn build(name: &str, params: &[(String, String)], scene: &Scene) -> Result<R
     if scene.has_media() && !IN_MEDIA.contains(&info.name) {
         return Err(RecipeError::Media { method: name.into(), use_: IN_MEDIA });
     }
+    if scene.media_emit() && !IN_FIRE.contains(&info.name) {
+        return Err(RecipeError::Fire { method: name.into(), use_: IN_FIRE });
+    }
     let method = (info.compose)(&values, scene)?;
     let claim = method.claim();
     let mut warnings = Vec::new();
@@ -241,7 +259,20 @@ pub fn build(name: &str, params: &[(String, String)], scene: &Scene) -> Result<R
             "the scene has mirrors or glass: `{name}` leaves black what is seen in them; `bidirectional` and `path` do not"
         ));
     }
-    if !scene.emitters().shine() {
+    if info.name == "lgh" && !scene.media_emit() {
+        warnings.push(
+            "no medium of the scene emits, and `lgh` is for light from media: without an `emission` or a `temperature` it shows direct \
+             light alone"
+                .into(),
+        );
+    }
+    if claim.misses.contains(PathClasses::INDIRECT) && info.name == "lgh" {
+        warnings.push(
+            "`lgh` scatters light once: what is scattered again is left out, and `path` without max-depth=2 has more"
+                .into(),
+        );
+    }
+    if !scene.emitters().shine() && !scene.media_emit() {
         warnings.push("nothing in the scene emits light: the image will be black".into());
     }
     let spp = values.integer("spp")? as u32;

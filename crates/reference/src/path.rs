@@ -52,6 +52,10 @@ impl Integrator for PathTracer {
             if edges > 1 {
                 probe.path_rays += 1;
             }
+            // Light of a medium is found on the way, whatever stops it: int T j dt up to the surface.
+            if scene.media_emit() && counts(edges) {
+                sum += beta * scene.emitted_along(&ray, s);
+            }
             let (x, through) = scene.advance(&ray, Mode::Radiance, beta, s);
             beta *= through;
             if beta.is_black() {

@@ -122,6 +122,13 @@ fn each_mistake_has_its_place_and_says_what_to_do() {
         ("<medium type=\"homogeneous\"><phase type=\"hg\"><float name=\"g\" value=\"1\"/></phase></medium>", 2, 68, "`g` must lie between -1 and 1", ""),
         ("<medium type=\"homogeneous\"><rgb name=\"albedo\" value=\"1 2 0\"/></medium>", 2, 54, "`albedo` must lie between 0 and 1", ""),
         ("<medium type=\"homogeneous\"><float name=\"scale\" value=\"-1\"/></medium>", 2, 55, "`scale` must not be negative", ""),
+        ("<medium type=\"homogeneous\"><rgb name=\"emission\" value=\"1 1 1\"/><rgb name=\"sigma_t\" value=\"1 0 1\"/></medium>", 2, 15, "must not be clear in a channel in which it emits", ""),
+        ("<medium type=\"homogeneous\"><float name=\"emission_scale\" value=\"2\"/></medium>", 2, 15, "`emission_scale` needs an `emission`", ""),
+        ("<medium type=\"homogeneous\"><rgb name=\"emission\" value=\"1\"/><float name=\"emission_scale\" value=\"-2\"/></medium>", 2, 96, "`emission_scale` must not be negative", ""),
+        ("<medium type=\"homogeneous\"><rgb name=\"emission\" value=\"1\"/><rgb name=\"temperature\" value=\"1\"/></medium>", 2, 15, "leave one out", ""),
+        ("<medium type=\"homogeneous\"><string name=\"ramp\" value=\"0: 1 1 1\"/></medium>", 2, 15, "`ramp` needs a `temperature`", ""),
+        ("<medium type=\"homogeneous\"><rgb name=\"temperature\" value=\"1\"/></medium>", 2, 15, "a `temperature` is a <volume>", ""),
+        ("<medium type=\"heterogeneous\"><volume name=\"temperature\" type=\"gridvolume\"><string name=\"filename\" value=\"fire.VDB\"/></volume></medium>", 2, 106, "`fire.VDB` is an OpenVDB grid, which is not read", ".vol"),
         ("<medium type=\"homogeneous\"><volume name=\"albedo\" type=\"gridvolume\"/></medium>", 2, 15, "write type=\"heterogeneous\" for a grid", ""),
         ("<medium type=\"heterogeneous\"><volume name=\"sigma_t\" type=\"gridvolume\"/></medium>", 2, 59, "needs a `filename`", ""),
         // The camera.

@@ -57,7 +57,7 @@ impl Scene {
             }
         }
         all.image_bytes += self.emitters().image_bytes();
-        for medium in self.media() {
+        for (_, medium) in self.media() {
             add(&mut all.media, if let Medium::Homogeneous(_) = medium { "homogeneous" } else { "heterogeneous" });
         }
         if let Some(boundaries) = self.boundaries() {

@@ -46,7 +46,7 @@ pub use inventory::Inventory;
 pub use manylight_bsdf::{Bsdf, Lobe, Mode};
 pub use manylight_geometry::Simd;
 pub use manylight_media::{
-    Flight, Grid, HenyeyGreenstein, Heterogeneous, Homogeneous, Interpolation, Medium, MediumError, Volume,
+    Flight, Glow, Grid, HenyeyGreenstein, Heterogeneous, Homogeneous, Interpolation, Medium, MediumError, Volume,
 };
 pub use material::{Material, MaterialId, Model};
 pub use media::{Boundary, Run};

@@ -164,6 +164,24 @@ impl Media {
         });
         through
     }
+    /// Does any of them emit?
+    pub(crate) fn emit(&self) -> bool {
+        self.list.iter().any(Medium::emits)
+    }
+    /// An estimate of what their emission along (0, t_max) of a ray brings to its origin.
+    pub(crate) fn emitted(&self, ray: &Ray, s: &mut Stream) -> Spectrum {
+        let (mut sum, mut through) = (Spectrum::BLACK, Spectrum::ONE);
+        self.walk(ray, |run| {
+            if let Some(m) = self.get(run.medium) {
+                if m.emits() {
+                    sum += through * m.emitted(ray, run.from, run.to, s);
+                }
+                through *= m.transmittance(ray, run.from, run.to, s);
+            }
+            !through.is_black()
+        });
+        sum
+    }
     /// Flies along (0, t_max) of a ray, which carries `throughput`: where it collides with what (if it does), what has become
     /// of one unit, and the medium at the end.
     pub(crate) fn fly(&self, ray: &Ray, throughput: Spectrum, s: &mut Stream) -> (Option<f32>, Spectrum, MediumId) {

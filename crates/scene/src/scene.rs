@@ -226,6 +226,7 @@ impl SceneBuilder {
         for (shape, emitter) in shapes.iter_mut().zip(of_shape) {
             shape.emitter = emitter;
         }
+        let mut media_emit = false;
         let media = if self.media.is_empty() {
             None
         } else {
@@ -234,11 +235,13 @@ impl SceneBuilder {
             let mut of_shape = vec![None; shapes.len()];
             self.parts.iter().for_each(|(id, sides)| of_shape[id.0 as usize] = Some(*sides));
             let mut media = Media { list: self.media, boundaries, of_shape, of_emitter: Vec::new() };
+            media_emit = media.emit();
             media.of_emitter = emitters.media(&media, &geometry, &camera);
             Some(Box::new(media))
         };
         let mut scene = Scene {
             media,
+            media_emit,
             geometry,
             shapes,
             materials: self.materials,
@@ -269,6 +272,7 @@ pub(crate) struct Placed {
 pub struct Scene {
     /// None of it, where there is no medium.
     media: Option<Box<Media>>,
+    media_emit: bool,
     pub(crate) geometry: Geometry,
     pub(crate) shapes: Vec<Placed>,
     pub(crate) materials: Vec<Material>,
@@ -340,13 +344,31 @@ impl Scene {
     pub fn medium(&self, id: MediumId) -> Option<&Medium> {
         self.media.as_ref()?.get(id)
     }
-    /// All media.
-    pub(crate) fn media(&self) -> &[Medium] {
-        self.media.as_ref().map_or(&[], |m| &m.list)
-    }
     /// The surfaces that only part media.
     pub(crate) fn boundaries(&self) -> Option<&Geometry> {
         Some(self.media.as_ref()?.boundaries.as_ref()?.geometry().0)
+    }
+    /// Does any medium emit light of its own?
+    pub fn media_emit(&self) -> bool {
+        self.media_emit
+    }
+    /// All media, each with its index.
+    pub fn media(&self) -> impl Iterator<Item = (MediumId, &Medium)> {
+        self.media.iter().flat_map(|m| m.list.iter().enumerate()).map(|(i, m)| (MediumId::new(i as u16), m))
+    }
+    /// What lies at a point: as the nearest surface along a fixed direction says that parts media, else as one on the way to the camera
+    /// does.
+    pub fn medium_at(&self, p: Vec3) -> MediumId {
+        let Some(media) = &self.media else { return MediumId::VACUUM };
+        media.around(&self.geometry, &self.camera, p, Vec3::new(0.48, 0.6, 0.64))
+    }
+    /// An estimate of what media emit along a ray up to the first surface, as it arrives at the origin. [W/(m^2 sr)]
+    pub fn emitted_along(&self, ray: &Ray, s: &mut Stream) -> Spectrum {
+        let Some(media) = self.media.as_ref().filter(|_| self.media_emit) else { return Spectrum::BLACK };
+        match self.first(ray) {
+            Some(hit) => media.emitted(&until(ray, hit.t), s),
+            None => media.emitted(ray, s),
+        }
     }
     /// The pieces of (0, t_max) of a ray that lie in media, in order.
     pub fn runs(&self, ray: &Ray) -> Vec<Run> {

@@ -11,6 +11,7 @@ mod kernel;
 mod lights;
 pub(crate) mod media;
 mod sharp;
+pub(crate) mod volume;
 
 use crate::values::Values;
 use crate::{Param, RecipeError};

@@ -44,6 +44,7 @@ impl<'a> Builder<'a> {
             }
             found => found.map_or(1.0, |(x, _)| x as f32),
         };
+        let fire = self.fire(&q);
         let name = q.name();
         let at = q.object.plugin_at;
         q.finish();
@@ -59,7 +60,7 @@ impl<'a> Builder<'a> {
             }
         };
         match made {
-            Ok(m) => Some(m),
+            Ok(m) => self.lit(m, fire?),
             Err(e) => {
                 self.report.error(at, format!("{name}: {e}"));
                 None
@@ -68,7 +69,13 @@ impl<'a> Builder<'a> {
     }
 
     /// A colour, or a volume.
-    fn coefficient(&mut self, q: &Query<'a>, name: &'static str, default: f32, range: Range) -> Option<Volume> {
+    pub(super) fn coefficient(
+        &mut self,
+        q: &Query<'a>,
+        name: &'static str,
+        default: f32,
+        range: Range,
+    ) -> Option<Volume> {
         let Some(Value::Object(id)) = q.object.value(name).cloned() else {
             return Some(Volume::Constant(self.colour(q, name, default, range)));
         };
@@ -109,6 +116,14 @@ impl<'a> Builder<'a> {
         let (to_world, at) = q.to_world();
         let (name, file_at) = super::filename(&q)?;
         q.finish();
+        if name.to_ascii_lowercase().ends_with(".vdb") {
+            self.report.error_help(
+                file_at,
+                format!("`{name}` is an OpenVDB grid, which is not read"),
+                "save it as Mitsuba's .vol, for instance with pyopenvdb and mitsuba.VolumeGrid(array).write(..)",
+            );
+            return None;
+        }
         let raw = match self.assets.grid(name) {
             Ok(raw) => raw,
             Err(failure) => {

@@ -1,6 +1,7 @@
 //! From the document to the scene: one file a kind of object.
 
 mod bsdf;
+mod emission;
 mod emitter;
 mod medium;
 mod sensor;
