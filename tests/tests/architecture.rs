@@ -30,7 +30,7 @@ const FLOORS: &[(u32, &[&str])] = &[
         ],
     ),
     (7, &["metropolis-ir", "vrl", "vsl"]),
-    (RECIPES, &["recipes", "report"]),
+    (RECIPES, &["recipes", "report", "verify"]),
     (9, &["cli"]),
     (10, &["manylight", "embree"]),
     (11, &["integration", "benches"]),
