@@ -162,7 +162,10 @@ impl<'a> Builder<'a> {
 
     fn relief(&mut self, q: Query<'a>, inside: bool) -> Option<Material> {
         let shadowed = q.boolean("use_shadowing_function", true);
-        q.ignore(&["flip_invalid_normals"]);
+        if q.has("flip_invalid_normals") && q.boolean("flip_invalid_normals", true) {
+            let at = q.object.at;
+            self.report.warn(at, "`flip_invalid_normals` has no effect: what a relief turns from the viewer is black");
+        }
         let bump = q.object.plugin == "bumpmap";
         let scale = if bump { q.float("scale", 1.0) as f32 } else { 1.0 };
         let map = if bump {
