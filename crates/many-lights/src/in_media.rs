@@ -27,6 +27,10 @@ pub struct Along<'a, S, K, B> {
 pub trait Segment<S, K, B>: Promise + Send + Sync {
     /// What the segment scatters of the lights, as seen from its beginning. [W/(m^2 sr)]
     fn gather(&self, span: &Span, at: &Along<S, K, B>, probe: &mut Probe, s: &mut Stream) -> Spectrum;
+    /// Are emission and transmittance along the camera's ray marched, with a small bias and little noise?
+    fn marches(&self) -> bool {
+        false
+    }
 }
 
 /// The receiver is the whole segment: each light finds its own points on it.
@@ -79,6 +83,27 @@ where
     }
 }
 
+/// As [`Sampled`], with emission and transmittance along the camera's ray by ray marching.
+#[derive(Clone, Copy, Debug)]
+pub struct Marched(pub Sampled);
+impl Promise for Marched {
+    /// Of either sign, by how large voxels are.
+    fn claim(&self) -> Claim {
+        Claim { bias: f32::INFINITY, brightens: true, ..Claim::UNBIASED }
+    }
+}
+impl<S, K, B> Segment<S, K, B> for Marched
+where
+    Sampled: Segment<S, K, B>,
+{
+    fn gather(&self, span: &Span, at: &Along<S, K, B>, probe: &mut Probe, s: &mut Stream) -> Spectrum {
+        self.0.gather(span, at, probe, s)
+    }
+    fn marches(&self) -> bool {
+        true
+    }
+}
+
 /// The composite where there are media: what light sets bring to surfaces, seen through the media, and what they bring to the
 /// media along the camera's ray,
 ///
@@ -116,8 +141,10 @@ where
         let (mut sum, mut through) = (Spectrum::BLACK, Spectrum::ONE);
         for run in scene.runs(ray) {
             let Some(medium) = scene.medium(run.medium) else { continue };
+            let marched = if self.segment.marches() { medium.marched(ray, run.from, run.to, s) } else { None };
             if medium.emits() && self.lights.counts(edges) {
-                sum += through * medium.emitted(ray, run.from, run.to, s);
+                let emitted = marched.map_or_else(|| medium.emitted(ray, run.from, run.to, s), |m| m.0);
+                sum += through * emitted;
             }
             if !medium.scattering_max().is_black() && edges < self.lights.max_edges {
                 let ray = Ray { t_max: run.to - run.from, ..Ray::new(ray.at(run.from), ray.dir) }.within(run.medium);
@@ -139,7 +166,7 @@ where
                 };
                 sum += through * self.segment.gather(&span, &at, probe, s);
             }
-            through *= medium.transmittance(ray, run.from, run.to, s);
+            through *= marched.map_or_else(|| medium.transmittance(ray, run.from, run.to, s), |m| m.1);
             if through.is_black() {
                 break;
             }

@@ -45,6 +45,10 @@ impl Glow {
     pub fn grid(&self) -> (&Grid, f32) {
         (&self.grid, self.scale)
     }
+    /// Can there be any in a cell of its grid?
+    pub(crate) fn any(&self, cell: usize) -> bool {
+        self.any[cell]
+    }
     /// Shows the pieces of a ray on which there can be emission, in their order: at most one a cell of the grid, of 1/16 of it.
     pub(crate) fn pieces(&self, ray: &Ray, from: f32, to: f32, mut visit: impl FnMut(f64, f64) -> bool) {
         cells(&self.grid, ray, from, to, |cell, a, b| !self.any[cell] || !(b > a) || visit(a, b));

@@ -126,6 +126,37 @@ impl Heterogeneous {
             true
         });
     }
+    /// What `emitted` and `transmittance` estimate, by steps of a voxel from a random start: hardly any noise, but a bias, of second
+    /// order in the voxels' optical depth. `None` where the emission is a grid of another place.
+    pub fn marched(&self, ray: &Ray, from: f32, to: f32, s: &mut Stream) -> Option<(Spectrum, Spectrum)> {
+        let glow = self.emission.as_ref();
+        if glow.is_some_and(|g| !g.grid().0.lies_as(&self.extinction)) {
+            return None;
+        }
+        let [a, b, c] = self.extinction.voxel().map(|e| e.length());
+        let (step, start) = (a.min(b).min(c), s.next_f64());
+        let (mut sum, mut depth, mut through) = (Spectrum::BLACK, Spectrum::BLACK, Spectrum::ONE);
+        cells(&self.extinction, ray, from, to, |cell, a, b| {
+            let dense = self.majorants[cell] > 0.0;
+            if !(dense || glow.is_some_and(|g| g.any(cell))) || !(b > a) {
+                return true;
+            }
+            let steps = ((b - a) / step).ceil().max(1.0);
+            let dt = ((b - a) / steps) as f32;
+            for i in 0..steps as u32 {
+                let p = ray.at((a + (f64::from(i) + start) / steps * (b - a)) as f32);
+                let sigma = if dense { self.extinction(p) } else { Spectrum::BLACK };
+                // Of an even step: (1 - exp(-sigma dt)) / sigma.
+                let seen =
+                    sigma.map(|x| if x * dt > 1e-4 { -(-x * dt).exp_m1() / x } else { dt * (1.0 - 0.5 * x * dt) });
+                sum += through * glow.map_or(Spectrum::BLACK, |g| g.at(p)) * seen;
+                depth += sigma * dt;
+                through = depth.map(|x| (-x).exp());
+            }
+            through.largest() > 1e-6
+        });
+        Some((sum, through))
+    }
     /// Ratio tracking: the product of 1 - sigma_t / majorant over tentative collisions (Novak et al. 2014).
     pub fn transmittance(&self, ray: &Ray, from: f32, to: f32, s: &mut Stream) -> Spectrum {
         let mut through = Spectrum::ONE;

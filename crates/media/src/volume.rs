@@ -63,6 +63,10 @@ impl Grid {
     pub fn interpolation(&self) -> Interpolation {
         self.interpolation
     }
+    /// Is its cube that of another grid?
+    pub fn lies_as(&self, o: &Grid) -> bool {
+        self.to_local == o.to_local
+    }
     /// Voxels along each axis.
     pub fn size(&self) -> [usize; 3] {
         self.size

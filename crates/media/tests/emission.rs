@@ -84,6 +84,45 @@ fn a_grid_emits_what_quadrature_says_and_one_that_lets_everything_through_does_n
 }
 
 #[test]
+fn marching_is_nearly_exact_and_hardly_noisy() {
+    // Smoke and fire of one place, thin and thick; the same grid serves for both.
+    for (scale, may) in [(0.7, 0.01), (8.0, 0.06)] {
+        let fire = Glow::new(clumps(2, Spectrum::rgb(0.1, 2.0, 1.0), 0.5), 3.0).unwrap();
+        let m =
+            Heterogeneous::new(clumps(1, Spectrum::ONE, 0.5), scale, Volume::Constant(Spectrum::BLACK), ISO).unwrap();
+        let m = m.emitting(fire);
+        let ray =
+            Ray::new(Vec3::new(-2.0, 0.3, -1.0), (Vec3::new(0.5, 0.6, 0.5) - Vec3::new(-2.0, 0.3, -1.0)).normalize());
+        let mut s = Stream::new(9, [0; 3], Purpose::TEST);
+        let mut means = [Moments::default(); 4];
+        for _ in 0..20_000 {
+            let (e, t) = m.marched(&ray, 0.0, 5.0, &mut s).unwrap();
+            let drawn = (m.emitted(&ray, 0.0, 5.0, &mut s), m.transmittance(&ray, 0.0, 5.0, &mut s));
+            let all = [e.mean(), drawn.0.mean(), t.mean(), drawn.1.mean()];
+            means.iter_mut().zip(all).for_each(|(m, x)| m.push(f64::from(x)));
+        }
+        let [e, drawn, t, through] = means;
+        println!(
+            "scale {scale}: {} +- {}, drawn {} +- {}; T {} drawn {}",
+            e.mean(),
+            e.std_dev(),
+            drawn.mean(),
+            drawn.std_dev(),
+            t.mean(),
+            through.mean()
+        );
+        let near = |a: &Moments, b: &Moments| (a.mean() - b.mean()).abs() < may * b.mean() + 3.0 * b.std_error();
+        assert!(near(&e, &drawn) && near(&t, &through), "scale {scale}");
+        assert!(e.std_dev() < 0.4 * drawn.std_dev());
+    }
+    // A grid of another place is not marched.
+    let apart = Heterogeneous::new(clumps(1, Spectrum::ONE, 0.5), 1.0, Volume::Constant(Spectrum::ONE), ISO).unwrap();
+    let apart = apart.emitting(Glow::new(clumps(2, Spectrum::ONE, -0.2), 1.0).unwrap());
+    let mut s = Stream::new(9, [0; 3], Purpose::TEST);
+    assert!(apart.marched(&Ray::new(Vec3::ZERO, Vec3::X), 0.0, 1.0, &mut s).is_none());
+}
+
+#[test]
 fn an_even_grid_is_a_homogeneous_medium() {
     let even =
         |v: f32| Grid::new([2, 2, 2], vec![Spectrum::gray(v); 8], &DAffine3::IDENTITY, Interpolation::Nearest).unwrap();

@@ -9,13 +9,15 @@ use manylight_math::Vec3;
 ///
 /// \[1/m^2\]
 pub fn mean_inverse_square(d2: f32, radius: f32) -> f32 {
-    let (d2, a2) = (f64::from(d2), f64::from(radius) * f64::from(radius));
-    let q2 = d2 / a2;
-    let value = if !(q2 < 64.0) {
+    let a2 = radius * radius;
+    if d2 >= 64.0 * a2 {
         // A point, or as good as one: the series in a / D, of which the next term is below 1e-6.
         let p2 = a2 / d2;
-        (1.0 + p2 * (0.2 + p2 * (3.0 / 35.0))) / d2
-    } else if q2 < 1e-4 {
+        return (1.0 + p2 * (0.2 + p2 * (3.0 / 35.0))) / d2;
+    }
+    let (d2, a2) = (f64::from(d2), f64::from(radius) * f64::from(radius));
+    let q2 = d2 / a2;
+    let value = if q2 < 1e-4 {
         (3.0 - q2) / a2
     } else {
         let q = q2.sqrt();

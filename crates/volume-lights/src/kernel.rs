@@ -31,7 +31,9 @@ impl Kernel<Vertex, VolumeLight> for Balls {
             return None;
         }
         // A box of standard deviation sigma reaches to sqrt(3) sigma.
-        let u = Vec3::new(s.next_f32(), s.next_f32(), s.next_f32()) * 2.0 - 1.0;
+        let bits = s.next_u64();
+        let part = |k: u32| ((bits >> (21 * k)) & 0x1f_ffff) as f32 * (2.0 / 2_097_151.0) - 1.0;
+        let u = Vec3::new(part(0), part(1), part(2));
         let from = l.p + u * l.spread * 3f32.sqrt();
         let end = End { p: from, surface: None, sides: Sides::VACUUM };
         let pair = Pair { g: r.cosine(w) * inverse, lobes: None };
