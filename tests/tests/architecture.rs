@@ -16,7 +16,7 @@ const FLOORS: &[(u32, &[&str])] = &[
     (5, &["framework", "scene-io"]),
     (6, &["vpl", "compensation", "lgh", "light-list", "lamps", "light-tree", "many-lights", "reference", "render"]),
     (7, &["metropolis-ir", "vrl", "vsl"]),
-    (RECIPES, &["recipes", "report"]),
+    (RECIPES, &["recipes", "report", "verify"]),
     (9, &["cli"]),
     (10, &["manylight", "embree"]),
     (11, &["integration", "benches"]),

@@ -14,6 +14,7 @@ mod progress;
 mod render;
 mod scene;
 mod units;
+mod verify;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -33,6 +34,7 @@ fn main() -> ExitCode {
         Command::Lights(args) => lights::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Verify(args) => verify::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Info(args) => info::run(&args),
         Command::List(args) => list::run(&args),

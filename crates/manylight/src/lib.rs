@@ -44,6 +44,7 @@ pub use manylight_sampling as sampling;
 pub use manylight_scene as scene;
 pub use manylight_scene_io as scene_io;
 pub use manylight_stats as stats;
+pub use manylight_verify as verify;
 pub use manylight_vpl as vpl;
 pub use manylight_vrl as vrl;
 pub use manylight_vsl as vsl;
