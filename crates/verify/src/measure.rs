@@ -17,7 +17,7 @@ pub struct Effort {
 
 impl Effort {
     /// A few seconds a method.
-    pub const QUICK: Effort = Effort { target: 0.004, work: 3_000_000 };
+    pub const QUICK: Effort = Effort { target: 0.004, work: 2_000_000 };
     /// Sees a quarter of the bias, or better.
     pub const THOROUGH: Effort = Effort { target: 0.001, work: 200_000_000 };
 }
