@@ -213,6 +213,9 @@ pub struct Verify {
     /// Verifies all methods, as without METHOD
     #[arg(long, conflicts_with = "method")]
     pub all: bool,
+    /// Verifies compositions of parts (`many-lights`): a few in which every pair of parts stands, or all with --thorough
+    #[arg(long, conflicts_with_all = ["method", "all"])]
+    pub compositions: bool,
     /// Sets a parameter of the method (may be repeated)
     #[arg(short = 'P', value_name = "key=value", value_parser = key_value, requires = "method")]
     pub parameters: Vec<(String, String)>,

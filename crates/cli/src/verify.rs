@@ -3,7 +3,7 @@
 use crate::args::Verify;
 use crate::failure::Failure;
 use crate::output::say;
-use manylight_recipes::{MethodInfo, build, method, methods};
+use manylight_recipes::{COMPOSED, MethodInfo, build, compositions, covering, method, methods};
 use manylight_scene::Scene;
 use manylight_scene_io::{LoadOptions, load};
 use manylight_verify::{Built, Effort, Knobs, Outcome, Place, Report, Subject, Verifier};
@@ -49,13 +49,19 @@ pub fn run(args: &Verify) -> Result<(), Failure> {
     let places = places(args)?;
     let subjects = match &args.method {
         Some(name) => vec![Registered { info: method(name)?, parameters: args.parameters.clone() }],
+        None if args.compositions => composed(args.thorough)?,
         None => all(&places),
     };
     // What is wrong with a parameter is wrong everywhere.
     if let (Some(_), [subject]) = (&args.method, &subjects[..]) {
         subject.somewhere(&places)?;
     }
-    let effort = if args.thorough { Effort::THOROUGH } else { Effort::QUICK };
+    let effort = match (args.thorough, args.compositions) {
+        (true, _) => Effort::THOROUGH,
+        // They are many, and their parts are looked at one by one elsewhere.
+        (_, true) => Effort { work: Effort::QUICK.work / 3, ..Effort::QUICK },
+        _ => Effort::QUICK,
+    };
     let verifier = Verifier::new(places, effort, args.seed);
     let mut wrong = Vec::new();
     let mut silent = Vec::new();
@@ -87,6 +93,14 @@ fn all(places: &[Place]) -> Vec<Registered> {
         all.extend(other.map(|value| Registered { info, parameters: vec![("bound".into(), value.into())] }));
     }
     all
+}
+
+/// Compositions of parts in which every pair of parts stands, or all of them.
+fn composed(whole: bool) -> Result<Vec<Registered>, Failure> {
+    let sense: Vec<_> = compositions()?.into_iter().filter(|c| c.refused().is_none()).collect();
+    let chosen = if whole { sense } else { covering(&sense) };
+    let info = method(COMPOSED)?;
+    Ok(chosen.iter().map(|c| Registered { info, parameters: c.parameters() }).collect())
 }
 
 fn places(args: &Verify) -> Result<Vec<Place>, Failure> {

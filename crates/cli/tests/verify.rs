@@ -23,11 +23,23 @@ fn all_registered_methods_keep_their_claims() {
 }
 
 #[test]
+fn compositions_in_which_every_pair_of_parts_stands_keep_their_claims() {
+    let (code, out, err) = verify("--compositions");
+    assert_eq!(code, Some(0), "{out}{err}");
+    // What promises nothing (screen space, a bias of either sign that nothing takes away) cannot be held against anything.
+    let all = out.lines().filter(|l| l.starts_with("many-lights:")).count();
+    let silent = out.lines().filter(|l| l.starts_with("no verdict on")).count();
+    assert!(all >= 25 && silent * 3 < all, "{silent} of {all}");
+    assert!(out.lines().filter(|l| l.starts_with("no verdict on")).all(|l| l.contains("either sign")), "{out}");
+}
+
+#[test]
 fn mistakes_are_named() {
     for (args, names) in [
         ("instant-radiositi", "`instant-radiosity`"),
         ("path -P ssp=3", "`spp`"),
         ("--all path", "--all"),
+        ("path --compositions", "--compositions"),
         ("path --scene nothing.xml", "nothing.xml"),
         ("path --size 8x8", "--scene"),
     ] {

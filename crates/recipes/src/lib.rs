@@ -11,6 +11,7 @@
 //! # Ok::<(), manylight_recipes::RecipeError>(())
 //! ```
 
+mod compositions;
 mod error;
 mod params;
 mod parts;
@@ -19,6 +20,7 @@ mod registry;
 mod values;
 mod yardsticks;
 
+pub use compositions::{COMPOSED, Composition, Is, REFUSED, Refusal, compositions, covering};
 pub use error::RecipeError;
 pub use params::{Kind, Param};
 pub use parts::Vpls;

@@ -60,12 +60,6 @@ pub(crate) fn compose(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, Reci
     if v.text("kernel") == "point" {
         return lights::under(v, scene, points, Points);
     }
-    if v.text("compensation") != "none" && v.text("bound") != "none" {
-        return Err(RecipeError::Contrary(format!(
-            "no bound touches spheres, so that compensation={} would bring what is not missing: say bound=none or kernel=point",
-            v.text("compensation")
-        )));
-    }
     let scale = v.number("radius-scale")?;
     let radius = match v.text("radius") {
         "neighbours" => Radius::Neighbours { k: NEIGHBOURS, scale },

@@ -14,7 +14,7 @@ mod sharp;
 pub(crate) mod volume;
 
 use crate::values::Values;
-use crate::{Param, RecipeError};
+use crate::{Param, RecipeError, compositions};
 use manylight_framework::Method;
 use manylight_scene::Scene;
 
@@ -31,6 +31,7 @@ pub(crate) const MANY_LIGHTS: &[&[Param]] = &[
 
 pub(crate) fn many_lights(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
     direct::check(v)?;
+    compositions::check(v)?;
     if direct::by_lamps(v) { lights::over_lamps(v, scene) } else { kernel::compose(v, scene) }
 }
 
