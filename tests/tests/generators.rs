@@ -28,7 +28,7 @@ fn keller(paths: u64) -> Keller {
     Keller { paths, max_edges: Some(12), certain_edges: 1, emission: Emission::Full }
 }
 fn rejection(paths: u64) -> Rejection {
-    Rejection { walks: keller(paths), points: 64, rays: 8, selectivity: 4.0, floor: 0.05 }
+    Rejection { walks: keller(paths), points: 64, rays: 8, selectivity: 4.0, floor: 0.05, sharp: 0.0 }
 }
 fn verdict(a: &Runs, reference: Reference) -> Verdict {
     BlockTest::default().run(a, reference).unwrap()

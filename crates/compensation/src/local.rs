@@ -130,14 +130,18 @@ impl LocalLights {
                 continue;
             }
             let Some((value, density)) = step_to(pixel, &light.y, frame.bounding) else { continue };
-            if j != light.by && self.exact {
+            // The maker has seen y; but through a mask only with a probability.
+            let ask = self.exact && (j != light.by || frame.scene.has_masks());
+            let clear = if ask {
                 probe.shadow_rays += 1;
                 let edge = Edge::Between(pixel.vertex.end(), light.y.end());
-                if frame.scene.transmittance(&edge, s).is_black() {
-                    continue;
-                }
+                frame.scene.transmittance(&edge, s).largest()
+            } else {
+                1.0
+            };
+            if clear > 0.0 {
+                pairs.push((j, value * clear, density * clear));
             }
-            pairs.push((j, value, density));
         }
         let together: f64 = pairs.iter().map(|p| p.2 as f64).sum();
         if !(together > 0.0) {

@@ -19,6 +19,10 @@ impl Parts {
             None => Parts { gathers: *x, sharp: None },
         }
     }
+    /// The sharp lobes alone.
+    pub fn sharp(&self) -> Option<&Vertex> {
+        self.sharp.as_ref().map(|s| &s.0)
+    }
     /// Draws where the path walks on. `None`: it ends.
     pub fn step(&self, s: &mut Stream) -> Option<VertexSample> {
         let Some((walks, chance)) = &self.sharp else { return delta(&self.gathers, s) };

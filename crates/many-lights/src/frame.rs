@@ -35,7 +35,7 @@ pub(crate) fn add_residual(
     }
 }
 
-/// What the first camera sample of each pixel sees, found again.
+/// What the first camera sample of each pixel sees, found again; behind lobes that are walked through, something of the kind.
 fn gbuffer(scene: &Scene, film: &Film, onward: &dyn Onward, sharp: f32, probe: &mut Probe) -> GBuffer {
     let (width, count) = (film.image.width, film.image.pixels.len());
     let chunk = width.max(1) * TILE;
@@ -56,7 +56,7 @@ fn gbuffer(scene: &Scene, film: &Film, onward: &dyn Onward, sharp: f32, probe: &
     GBuffer { width, pixels }
 }
 
-/// Walks through delta and sharp lobes as the eye path does, and with its random numbers to begin with.
+/// Walks through delta and sharp lobes as the eye path does, with the same camera ray.
 fn first_vertex(
     scene: &Scene,
     film: &Film,

@@ -95,14 +95,16 @@ where
             }
             let parts = Parts::of(&x, self.sharp);
             let at = Depth { edges, level: 0 };
-            // Of all lobes, sharp ones too: emission is not counted behind those.
-            sum += throughput * self.direct(scene, p, &x, edges, probe, s);
+            // Of all lobes, sharp ones too: emission is not counted behind those. Where lights bring direct light, which are
+            // connected to the others alone, of the sharp ones.
+            let sampled = if p.covers_direct { parts.sharp() } else { Some(&x) };
+            sum += throughput * sampled.map_or(Spectrum::BLACK, |x| self.direct(scene, x, edges, probe, s));
             framed &= edges <= frame::MOST_EDGES;
             let compensator = self.compensation.at(if framed { 0 } else { 1 });
             sum += throughput * self.gathered(scene, p, &parts.gathers, at, compensator, probe, s);
             framed &= !parts.gathers.connects();
             let Some(next) = parts.step(s) else { break };
-            emission = next.delta || p.covers_direct;
+            emission = next.delta;
             throughput *= next.weight;
             if throughput.is_black() {
                 break;
@@ -127,19 +129,12 @@ where
         probe: &mut Probe,
         s: &mut Stream,
     ) -> Spectrum {
-        self.direct(scene, p, x, at.edges, probe, s) + self.gathered(scene, p, x, at, compensator, probe, s)
+        let direct = if p.covers_direct { Spectrum::BLACK } else { self.direct(scene, x, at.edges, probe, s) };
+        direct + self.gathered(scene, p, x, at, compensator, probe, s)
     }
-    /// Sampled direct light, if the lights do not bring it.
-    fn direct(
-        &self,
-        scene: &Scene,
-        p: &Prepared<P::Set, B::Pass>,
-        x: &Vertex,
-        edges: u32,
-        probe: &mut Probe,
-        s: &mut Stream,
-    ) -> Spectrum {
-        if p.covers_direct || !self.counts(edges + 1) || !x.connects() {
+    /// Sampled direct light at a vertex of so many edges.
+    fn direct(&self, scene: &Scene, x: &Vertex, edges: u32, probe: &mut Probe, s: &mut Stream) -> Spectrum {
+        if !self.counts(edges + 1) || !x.connects() {
             return Spectrum::BLACK;
         }
         direct_light(scene, x, probe, s)

@@ -40,6 +40,8 @@ pub struct Metropolis {
     pub camera: f32,
     /// Where chains start.
     pub start: Start,
+    /// Eye paths are followed through lobes of a roughness of at most this: see [`Importons::new`].
+    pub sharp: f32,
 }
 
 impl Metropolis {
@@ -47,7 +49,7 @@ impl Metropolis {
     pub fn new(walks: Keller) -> Self {
         let (chains, bootstrap, points, rays, floor) = (64, 4096, 1024, 32, 0.02);
         let (tries, large, camera, start) = (1, 0.3, 0.1, Start::Weighted);
-        Metropolis { walks, chains, bootstrap, points, rays, floor, tries, large, camera, start }
+        Metropolis { walks, chains, bootstrap, points, rays, floor, tries, large, camera, start, sharp: 0.0 }
     }
     /// Numbers and weighing of an independent path: `kind` 2 for the bootstrap, 3 for the pilot.
     fn independent(space: &Space, seed: u64, at: [u64; 3], probe: &mut Probe) -> State {
@@ -100,7 +102,7 @@ impl Generator for Metropolis {
         let chains = (self.chains as u64).clamp(1, self.walks.paths.max(1));
         let steps = self.walks.paths.max(1).div_ceil(chains);
         let paths = chains * steps;
-        let importons = Importons::new(scene, self.points, paths, seed, pass, probe);
+        let importons = Importons::new(scene, self.points, paths, self.sharp, [seed, pass], probe);
         // A light of one path: the normalisation is b's.
         let one = Metropolis { walks: Keller { paths: 1, ..self.walks }, ..*self };
         let mut space = Space { metropolis: &one, scene, importons: &importons, scale: 1.0 };

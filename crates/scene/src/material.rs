@@ -188,6 +188,15 @@ impl Model {
         };
         self.leaves().iter().any(glass)
     }
+    /// Is a roughness in it a texture?
+    pub(crate) fn is_roughened(&self) -> bool {
+        match self {
+            Model::Relief { model, .. } => model.is_roughened(),
+            Model::Roughened { .. } => true,
+            Model::Blend { models, .. } => models.iter().any(Model::is_roughened),
+            _ => false,
+        }
+    }
     /// All models without relief that it may become.
     pub(crate) fn leaves(&self) -> Vec<&Model> {
         match self {

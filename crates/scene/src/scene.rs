@@ -58,6 +58,9 @@ pub enum SceneError {
         /// How many there are.
         count: usize,
     },
+    /// A shape bounds a medium and lets a part of the light pass.
+    #[error("shape `{0}` bounds a medium and has an opacity: only one is possible")]
+    Boundary(String),
     /// An emission is negative or not finite.
     #[error("{0}")]
     Emission(String),
@@ -177,6 +180,10 @@ impl SceneBuilder {
         }
         for (id, _) in &self.parts {
             missing("a medium's place".into(), "shape", id.0, self.shapes.len())?;
+            let shape = &self.shapes[id.0 as usize];
+            if self.materials[shape.material.0 as usize].opacity.is_some() {
+                return Err(SceneError::Boundary(shape.name.clone()));
+            }
         }
         if let Some(index) = camera.medium.index() {
             missing("the camera".into(), "medium", index as u32, self.media.len())?;
@@ -505,6 +512,20 @@ impl Scene {
             emission.ray.medium = media.of_emitter[emission.start.emitter as usize];
         }
         Some(emission)
+    }
+    /// Does any shape let a part of the light pass (a mask)?
+    pub fn has_masks(&self) -> bool {
+        self.masked
+    }
+    /// Has any shape's material a lobe that [`Vertex::split`] parts from the others, delta lobes aside?
+    pub fn has_lobes_as_sharp_as(&self, alpha: f32) -> bool {
+        let leaf = |m: &crate::Model| m.resolve(&self.textures, Default::default()).split(Vec3::Z, alpha).is_some();
+        // Roughness by a texture may be anything.
+        let sharp = |m: &crate::Model| m.is_roughened() || m.leaves().into_iter().any(leaf);
+        self.shapes
+            .iter()
+            .map(|s| &self.materials[s.material.0 as usize])
+            .any(|m| std::iter::once(&m.front).chain(&m.back).any(sharp))
     }
     /// Does any shape's material need a delta lobe (a smooth mirror, glass)?
     pub fn has_delta_lobes(&self) -> bool {

@@ -32,13 +32,25 @@ pub struct Bidirectional {
     pub floor: f32,
     /// Lights that are taken.
     pub lights: u64,
+    /// Eye paths are followed through lobes of a roughness of at most this: see [`Importons::new`].
+    pub sharp: f32,
 }
 
 impl Bidirectional {
     /// As many reverse lights as light paths, and as many taken.
     pub fn new(walks: Keller) -> Self {
         let n = walks.paths;
-        Bidirectional { walks, reverse: n, eyes: 32, gathers: 16, points: 1024, rays: 32, floor: 0.1, lights: n }
+        Bidirectional {
+            walks,
+            reverse: n,
+            eyes: 32,
+            gathers: 16,
+            points: 1024,
+            rays: 32,
+            floor: 0.1,
+            lights: n,
+            sharp: 0.0,
+        }
     }
 }
 
@@ -69,8 +81,8 @@ impl Generator for Bidirectional {
     ) -> Result<Batch<Vec<Vpl>>, GenerateError> {
         let paths = self.walks.paths;
         let (sources, steps) = self.walked(scene, pass, seed, probe)?;
-        let importons = Importons::new(scene, self.points, paths, seed, pass, probe);
-        let points = Importons::at(scene, self.eyes, paths, [seed, pass, 1], probe);
+        let importons = Importons::new(scene, self.points, paths, self.sharp, [seed, pass], probe);
+        let points = Importons::at(scene, self.eyes, paths, self.sharp, [seed, pass, 1], probe);
         let weigh = |light: Option<Vpl>, probe: &mut Probe, s: &mut Stream| {
             light.map(|l| (l, importons.importance(scene, &l, self.rays, probe, s)))
         };

@@ -29,16 +29,17 @@ pub(crate) struct Importon {
     pub throughput: Spectrum,
 }
 
-/// Delta lobes are followed so far.
+/// Delta and sharp lobes are followed so far.
 const MOST_EDGES: u32 = 8;
 
 impl Importons {
-    /// About `count` points, for lights of `paths` light paths: b is that of `bound=auto`.
-    pub fn new(scene: &Scene, count: u32, paths: u64, seed: u64, pass: u64, probe: &mut Probe) -> Self {
-        Importons::at(scene, count, paths, [seed, pass, 0], probe)
+    /// About `count` points, for lights of `paths` light paths: b is that of `bound=auto`. Lobes of a roughness of at most `sharp`
+    /// are followed as delta lobes are: no light will be connected to them.
+    pub fn new(scene: &Scene, count: u32, paths: u64, sharp: f32, [seed, pass]: [u64; 2], probe: &mut Probe) -> Self {
+        Importons::at(scene, count, paths, sharp, [seed, pass, 0], probe)
     }
     /// The same from a place of its own, `[seed, pass, which]`.
-    pub(crate) fn at(scene: &Scene, count: u32, paths: u64, place: [u64; 3], probe: &mut Probe) -> Self {
+    pub(crate) fn at(scene: &Scene, count: u32, paths: u64, sharp: f32, place: [u64; 3], probe: &mut Probe) -> Self {
         let [seed, pass, which] = place;
         let (w, h) = (scene.camera().size.0 as f32, scene.camera().size.1 as f32);
         let columns = ((count.max(1) as f32 * w / h).sqrt().ceil() as usize).clamp(1, count.max(1) as usize);
@@ -49,7 +50,7 @@ impl Importons {
             // 2^40 and above: places that no candidate's number reaches.
             let mut s = Stream::new(seed, [pass, (1 << 40) + i as u64, which], Purpose::IMPORTANCE);
             let cell = Vec2::new((i % columns) as f32, (i / columns) as f32) + s.next_2d();
-            trace(scene, cell * Vec2::new(w / columns as f32, h / rows as f32), &mut s, probe, &mut points);
+            trace(scene, cell * Vec2::new(w / columns as f32, h / rows as f32), sharp, &mut s, probe, &mut points);
         }
         let bound = (std::f64::consts::PI * paths.max(1) as f64 / scene.area()) as f32;
         Importons { points, rays, bound }
@@ -85,17 +86,25 @@ impl Importons {
     }
 }
 
-/// The vertices at which an eye path gathers: the first that scatters, and those before it that have delta lobes besides.
-fn trace(scene: &Scene, at: Vec2, s: &mut Stream, probe: &mut Probe, points: &mut Vec<Importon>) {
+/// The vertices at which an eye path gathers: the first that scatters, and those before it that have delta or sharp lobes besides.
+fn trace(scene: &Scene, at: Vec2, sharp: f32, s: &mut Stream, probe: &mut Probe, points: &mut Vec<Importon>) {
     let (mut ray, mut throughput) = (scene.camera().ray(at), Spectrum::ONE);
     for _ in 0..MOST_EDGES {
         probe.path_rays += 1;
         let Some(vertex) = scene.intersect(&ray, Mode::Radiance) else { return };
-        if vertex.connects() {
-            points.push(Importon { vertex, throughput });
+        let split = if sharp > 0.0 { vertex.split(sharp) } else { None };
+        let gathers = split.map_or(vertex, |s| s.0);
+        if gathers.connects() {
+            points.push(Importon { vertex: gathers, throughput });
         }
-        let Some(next) = vertex.sample(s.next_f32(), s.next_2d()).filter(|n| n.delta) else { return };
-        throughput *= next.weight;
+        let through = split.filter(|split| s.next_f32() < split.2);
+        let next = match through {
+            Some((_, sharp, _)) => sharp.sample(s.next_f32(), s.next_2d()),
+            None => gathers.sample(s.next_f32(), s.next_2d()).filter(|n| n.delta),
+        };
+        let Some(next) = next else { return };
+        let chance = split.map_or(1.0, |split| if through.is_some() { split.2 } else { 1.0 - split.2 });
+        throughput *= next.weight * (1.0 / chance);
         if throughput.is_black() || !throughput.is_valid() {
             return;
         }

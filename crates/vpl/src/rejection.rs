@@ -25,6 +25,8 @@ pub struct Rejection {
     pub selectivity: f32,
     /// Smallest probability. Zero would be biased: lights that no point saw would be lost.
     pub floor: f32,
+    /// Eye paths are followed through lobes of a roughness of at most this: see [`Importons::new`].
+    pub sharp: f32,
 }
 
 /// A light with its importance [W/(m^2 sr)] and the number that decides about it.
@@ -47,7 +49,7 @@ impl Generator for Rejection {
         probe: &mut Probe,
     ) -> Result<Batch<Vec<Vpl>>, GenerateError> {
         let paths = self.walks.paths;
-        let importons = Importons::new(scene, self.points, paths, seed, pass, probe);
+        let importons = Importons::new(scene, self.points, paths, self.sharp, [seed, pass], probe);
         let candidates: Vec<Candidate> = walk_all(paths, probe, |path, probe, out| {
             let mut lights = Vec::new();
             walk(scene, seed, pass, path, self.walks.length(), probe, |step| lights.extend(self.walks.light(&step)));

@@ -65,8 +65,9 @@ impl Reverse<'_> {
                 return 0.0;
             }
             probe.shadow_rays += 1;
-            let clear = !self.scene.transmittance(&Edge::Between(x1.vertex.end(), x2.end()), s).is_black();
-            if clear { pdf as f64 } else { 0.0 }
+            // Masks let a part of the directions pass, all channels alike.
+            let clear = self.scene.transmittance(&Edge::Between(x1.vertex.end(), x2.end()), s).largest();
+            (pdf * clear) as f64
         };
         points.iter().map(|x1| of(x1, probe, s)).sum::<f64>() / points.len().max(1) as f64
     }

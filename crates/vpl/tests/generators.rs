@@ -265,7 +265,7 @@ fn points_too_near_for_their_distance_squared_are_not_connected() {
 fn rejection_keeps_candidates_as_they_are_but_for_their_flux() {
     let scene = room(diffuse(Spectrum::gray(0.5)));
     let (all, _) = lights(&keller(400), &scene, 0);
-    let with = |floor| Rejection { walks: keller(400), points: 16, rays: 4, selectivity: 4.0, floor };
+    let with = |floor| Rejection { walks: keller(400), points: 16, rays: 4, selectivity: 4.0, floor, sharp: 0.0 };
     // A floor of one keeps everything: bit for bit what Keller's generator makes.
     let (kept, _) = lights(&with(1.0), &scene, 0);
     assert_eq!(format!("{:?}", kept.lights), format!("{:?}", all.lights));

@@ -1,8 +1,9 @@
 //! Where virtual lights come from.
 
+use crate::RecipeError;
 use crate::params::{Kind, Param, WHOLE};
+use crate::parts::{direct, sharp};
 use crate::values::Values;
-use crate::{RecipeError, parts::direct};
 use manylight_framework::Generator;
 use manylight_metropolis_ir::Metropolis;
 use manylight_scene::Scene;
@@ -128,6 +129,7 @@ fn one(name: &str, v: &Values, scene: &Scene) -> Result<Vpls, RecipeError> {
             rays: v.integer("importance-rays")? as u32,
             selectivity: v.number("selectivity")?,
             floor: v.number("importance-floor")?,
+            sharp: sharp::sharp(v)?,
         }),
         "bidirectional" => Box::new(Bidirectional {
             walks: keller(v, scene)?,
@@ -138,6 +140,7 @@ fn one(name: &str, v: &Values, scene: &Scene) -> Result<Vpls, RecipeError> {
             rays: v.integer("importance-rays")? as u32,
             floor: v.number("importance-floor")?,
             lights: v.integer("resampled")?,
+            sharp: sharp::sharp(v)?,
         }),
         "metropolis" => Box::new(metropolis(v, scene)?),
         _ => Box::new(keller(v, scene)?),
@@ -160,6 +163,7 @@ fn metropolis(v: &Values, scene: &Scene) -> Result<Metropolis, RecipeError> {
         tries: v.integer("tries")? as u32,
         large,
         camera,
+        sharp: sharp::sharp(v)?,
         ..Metropolis::new(keller(v, scene)?)
     })
 }

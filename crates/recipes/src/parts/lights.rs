@@ -116,7 +116,10 @@ fn growth(v: &Values, scene: &Scene) -> Result<Growth, RecipeError> {
     let limited = max_edges != u32::MAX || min_edges > 1;
     let together = match v.text("lights") == "lightcuts" && limited {
         // Behind delta and sharp lobes, and where residual paths arrive, there are receivers of any depth: none may share.
-        true if scene.has_delta_lobes() || sharp::sharp(v)? > 0.0 || compensation::asks_lights_further_on(v) => {
+        true if scene.has_delta_lobes()
+            || scene.has_lobes_as_sharp_as(sharp::sharp(v)?)
+            || compensation::asks_lights_further_on(v) =>
+        {
             (u32::MAX, 0)
         }
         // All receivers are one edge from the eye.

@@ -88,7 +88,7 @@ where
         "none" => BoundPlan::NONE,
         _ => BoundPlan::fixed(v.number("bound")?),
     };
-    let (compensation, sharp) = (Compensation::None, sharp::sharp(v)?);
+    let (compensation, sharp) = (Compensation::None, v.number("sharp")?);
     let lights = ManyLights { generator, plan, kernel: Rays, bounding, compensation, max_edges, min_edges, sharp };
     Ok(Box::new(InMedia { lights, segment: Whole }))
 }
@@ -115,7 +115,7 @@ where
                 .into(),
         ));
     }
-    let (bounding, compensation, sharp) = (bound::plan(v)?, Compensation::None, sharp::sharp(v)?);
+    let (bounding, compensation, sharp) = (bound::plan(v)?, Compensation::None, v.number("sharp")?);
     let generator = generator(v, scene)?;
     let lights = ManyLights { generator, plan, kernel: Points, bounding, compensation, max_edges, min_edges, sharp };
     Ok(match v.text("segment") {
