@@ -4,6 +4,7 @@ use crate::{
     BoundCluster, Bounding, Bounds, Contribute, Explained, Kernel, Limited, Located, Notes, Probe, Reach, ReachCluster,
     Reaches, Unshadowed, VirtualLight,
 };
+use arrayvec::ArrayVec;
 use manylight_math::{Spectrum, Vec3};
 use manylight_sampling::Stream;
 use manylight_scene::{Edge, Scene, Vertex};
@@ -44,9 +45,12 @@ impl<R, K, B: Bounding + ?Sized> Gather<'_, R, K, B> {
         let keep = self.bounding.keep(&c.pair);
         Some(Kept { value: c.value * keep, edge: c.edge, keep, g: c.pair.g, edges }).filter(|k| !k.value.is_black())
     }
-    fn lit(&mut self, Kept { value, edge, keep, g, edges }: Kept, s: &mut Stream) -> Spectrum {
+    fn lit(&mut self, kept: &Kept, s: &mut Stream) -> Spectrum {
         self.probe.shadow_rays += 1;
-        let contribution = value * self.scene.transmittance(&edge, s);
+        self.explained(kept, self.scene.transmittance(&kept.edge, s))
+    }
+    fn explained(&mut self, &Kept { value, edge, keep, g, edges }: &Kept, through: Spectrum) -> Spectrum {
+        let contribution = value * through;
         if let Some(explanation) = &mut self.probe.explain {
             explanation.lights.push(Explained { edge, contribution, g, keep, edges });
         }
@@ -65,17 +69,22 @@ struct Kept {
 
 impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Contribute<L> for Gather<'_, R, K, B> {
     fn contribution(&mut self, light: &L, s: &mut Stream) -> Spectrum {
-        self.kept(light, s).map_or(Spectrum::BLACK, |k| self.lit(k, s))
+        self.kept(light, s).map_or(Spectrum::BLACK, |k| self.lit(&k, s))
     }
     fn contributions(&mut self, lights: &[L], out: &mut [Spectrum], s: &mut Stream) {
-        // Connect a batch, then trace it: the rays, which share this end, are at hand together.
+        // Connect a batch, then trace it: the rays share this end, and go through the tree together.
         for (lights, out) in lights.chunks(BATCH).zip(out.chunks_mut(BATCH)) {
-            let mut kept = [const { None }; BATCH];
-            for (k, l) in kept.iter_mut().zip(lights) {
-                *k = self.kept(l, s);
+            let mut kept = ArrayVec::<(usize, Kept), BATCH>::new();
+            for (i, l) in lights.iter().enumerate() {
+                kept.extend(self.kept(l, s).map(|k| (i, k)));
             }
-            for (k, o) in kept.iter_mut().zip(out) {
-                *o = k.take().map_or(Spectrum::BLACK, |k| self.lit(k, s));
+            let edges: ArrayVec<Edge, BATCH> = kept.iter().map(|(_, k)| k.edge).collect();
+            let mut through = [Spectrum::BLACK; BATCH];
+            self.probe.shadow_rays += kept.len() as u64;
+            self.scene.transmittances(&edges, &mut through[..edges.len()], &mut self.probe.occluders, s);
+            out.fill(Spectrum::BLACK);
+            for ((i, k), through) in kept.iter().zip(through) {
+                out[*i] = self.explained(k, through);
             }
         }
     }
