@@ -31,8 +31,9 @@ pub struct Gather<'a, R, K, B: ?Sized> {
 }
 
 impl<R, K, B: Bounding + ?Sized> Gather<'_, R, K, B> {
-    /// Bounded, unshadowed; `None` if black, so that no ray is traced for nothing.
-    fn kept<L: VirtualLight>(&mut self, light: &L, s: &mut Stream) -> Option<Kept>
+    /// Bounded, unshadowed, and what has to be clear; `None` if black, so that no ray is traced for nothing.
+    #[inline]
+    fn kept<L: VirtualLight>(&mut self, light: &L, s: &mut Stream) -> Option<(Kept, Edge)>
     where
         K: Kernel<R, L>,
     {
@@ -43,16 +44,18 @@ impl<R, K, B: Bounding + ?Sized> Gather<'_, R, K, B> {
         self.probe.evaluations += 1;
         let c = self.kernel.connect(self.scene, self.receiver, light, s)?;
         let keep = self.bounding.keep(&c.pair);
-        Some(Kept { value: c.value * keep, edge: c.edge, keep, g: c.pair.g, edges }).filter(|k| !k.value.is_black())
+        let value = c.value * keep;
+        if value.is_black() {
+            return None;
+        }
+        Some((Kept { value, keep, g: c.pair.g, edges }, c.edge))
     }
-    fn lit(&mut self, kept: &Kept, s: &mut Stream) -> Spectrum {
-        self.probe.shadow_rays += 1;
-        self.explained(kept, self.scene.transmittance(&kept.edge, s))
-    }
-    fn explained(&mut self, &Kept { value, edge, keep, g, edges }: &Kept, through: Spectrum) -> Spectrum {
+    /// What gets through.
+    #[inline]
+    fn lit(&mut self, &Kept { value, keep, g, edges }: &Kept, edge: &Edge, through: Spectrum) -> Spectrum {
         let contribution = value * through;
         if let Some(explanation) = &mut self.probe.explain {
-            explanation.lights.push(Explained { edge, contribution, g, keep, edges });
+            explanation.lights.push(Explained { edge: *edge, contribution, g, keep, edges });
         }
         contribution
     }
@@ -61,7 +64,6 @@ impl<R, K, B: Bounding + ?Sized> Gather<'_, R, K, B> {
 /// A connection before its shadow ray.
 struct Kept {
     value: Spectrum,
-    edge: Edge,
     keep: f32,
     g: f32,
     edges: u32,
@@ -69,29 +71,36 @@ struct Kept {
 
 impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Contribute<L> for Gather<'_, R, K, B> {
     fn contribution(&mut self, light: &L, s: &mut Stream) -> Spectrum {
-        self.kept(light, s).map_or(Spectrum::BLACK, |k| self.lit(&k, s))
+        let Some((kept, edge)) = self.kept(light, s) else { return Spectrum::BLACK };
+        self.probe.shadow_rays += 1;
+        let through = self.scene.transmittance(&edge, s);
+        self.lit(&kept, &edge, through)
     }
     fn contributions(&mut self, lights: &[L], out: &mut [Spectrum], s: &mut Stream) {
         // Connect a batch, then trace it: the rays share this end, and go through the tree together.
         for (lights, out) in lights.chunks(BATCH).zip(out.chunks_mut(BATCH)) {
             let mut kept = ArrayVec::<(usize, Kept), BATCH>::new();
+            let mut edges = ArrayVec::<Edge, BATCH>::new();
             for (i, l) in lights.iter().enumerate() {
-                kept.extend(self.kept(l, s).map(|k| (i, k)));
+                if let Some((k, edge)) = self.kept(l, s) {
+                    kept.push((i, k));
+                    edges.push(edge);
+                }
             }
-            let edges: ArrayVec<Edge, BATCH> = kept.iter().map(|(_, k)| k.edge).collect();
             let mut through = [Spectrum::BLACK; BATCH];
-            self.probe.shadow_rays += kept.len() as u64;
-            self.scene.transmittances(&edges, &mut through[..edges.len()], &mut self.probe.occluders, s);
+            let through = &mut through[..edges.len()];
+            self.probe.shadow_rays += edges.len() as u64;
+            self.scene.transmittances(&edges, through, &mut self.probe.occluders, s);
             out.fill(Spectrum::BLACK);
-            for ((i, k), through) in kept.iter().zip(through) {
-                out[*i] = self.explained(k, through);
+            for (((i, k), edge), through) in kept.iter().zip(&edges).zip(through) {
+                out[*i] = self.lit(k, edge, *through);
             }
         }
     }
 }
 impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Unshadowed<L> for Gather<'_, R, K, B> {
     fn unshadowed(&mut self, light: &L, s: &mut Stream) -> Spectrum {
-        self.kept(light, s).map_or(Spectrum::BLACK, |k| k.value)
+        self.kept(light, s).map_or(Spectrum::BLACK, |(k, _)| k.value)
     }
 }
 impl<C, R, K: Bounds<R, C>, B: Bounding + ?Sized> BoundCluster<C> for Gather<'_, R, K, B> {
