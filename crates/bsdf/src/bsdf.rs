@@ -138,6 +138,7 @@ macro_rules! ask {
 impl Bsdf {
     /// f(wi, wo) of the non-delta lobes, without a cosine; black on the wrong side. Of importance: where it is refracted,
     /// radiance is `radiance_factor` of it. [1/sr]
+    #[inline]
     pub fn eval(&self, wi: Vec3, wo: Vec3) -> Spectrum {
         ask!(self, Spectrum::BLACK, m => m.eval(wi, wo))
     }
@@ -159,6 +160,7 @@ impl Bsdf {
         ask!(self, false, m => is_smooth(m))
     }
     /// It scatters for `wi.z` > 0 only, and to `wo.z` > 0.
+    #[inline]
     pub fn is_one_sided(&self) -> bool {
         !matches!(self, Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::RoughDielectric(_))
     }

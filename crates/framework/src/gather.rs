@@ -4,6 +4,7 @@ use crate::{
     BoundCluster, Bounding, Bounds, Contribute, Explained, Kernel, Limited, Located, Notes, Probe, Reach, ReachCluster,
     Reaches, Unshadowed, VirtualLight,
 };
+use arrayvec::ArrayVec;
 use manylight_math::{Spectrum, Vec3};
 use manylight_sampling::Stream;
 use manylight_scene::{Edge, Scene, Vertex};
@@ -30,8 +31,9 @@ pub struct Gather<'a, R, K, B: ?Sized> {
 }
 
 impl<R, K, B: Bounding + ?Sized> Gather<'_, R, K, B> {
-    /// Bounded, unshadowed; `None` if black, so that no ray is traced for nothing.
-    fn kept<L: VirtualLight>(&mut self, light: &L, s: &mut Stream) -> Option<Kept>
+    /// Bounded, unshadowed, and what has to be clear; `None` if black, so that no ray is traced for nothing.
+    #[inline]
+    fn kept<L: VirtualLight>(&mut self, light: &L, s: &mut Stream) -> Option<(Kept, Edge)>
     where
         K: Kernel<R, L>,
     {
@@ -42,13 +44,18 @@ impl<R, K, B: Bounding + ?Sized> Gather<'_, R, K, B> {
         self.probe.evaluations += 1;
         let c = self.kernel.connect(self.scene, self.receiver, light, s)?;
         let keep = self.bounding.keep(&c.pair);
-        Some(Kept { value: c.value * keep, edge: c.edge, keep, g: c.pair.g, edges }).filter(|k| !k.value.is_black())
+        let value = c.value * keep;
+        if value.is_black() {
+            return None;
+        }
+        Some((Kept { value, keep, g: c.pair.g, edges }, c.edge))
     }
-    fn lit(&mut self, Kept { value, edge, keep, g, edges }: Kept, s: &mut Stream) -> Spectrum {
-        self.probe.shadow_rays += 1;
-        let contribution = value * self.scene.transmittance(&edge, s);
+    /// What gets through.
+    #[inline]
+    fn lit(&mut self, &Kept { value, keep, g, edges }: &Kept, edge: &Edge, through: Spectrum) -> Spectrum {
+        let contribution = value * through;
         if let Some(explanation) = &mut self.probe.explain {
-            explanation.lights.push(Explained { edge, contribution, g, keep, edges });
+            explanation.lights.push(Explained { edge: *edge, contribution, g, keep, edges });
         }
         contribution
     }
@@ -57,7 +64,6 @@ impl<R, K, B: Bounding + ?Sized> Gather<'_, R, K, B> {
 /// A connection before its shadow ray.
 struct Kept {
     value: Spectrum,
-    edge: Edge,
     keep: f32,
     g: f32,
     edges: u32,
@@ -65,24 +71,36 @@ struct Kept {
 
 impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Contribute<L> for Gather<'_, R, K, B> {
     fn contribution(&mut self, light: &L, s: &mut Stream) -> Spectrum {
-        self.kept(light, s).map_or(Spectrum::BLACK, |k| self.lit(k, s))
+        let Some((kept, edge)) = self.kept(light, s) else { return Spectrum::BLACK };
+        self.probe.shadow_rays += 1;
+        let through = self.scene.transmittance(&edge, s);
+        self.lit(&kept, &edge, through)
     }
     fn contributions(&mut self, lights: &[L], out: &mut [Spectrum], s: &mut Stream) {
-        // Connect a batch, then trace it: the rays, which share this end, are at hand together.
+        // Connect a batch, then trace it: the rays share this end, and go through the tree together.
         for (lights, out) in lights.chunks(BATCH).zip(out.chunks_mut(BATCH)) {
-            let mut kept = [const { None }; BATCH];
-            for (k, l) in kept.iter_mut().zip(lights) {
-                *k = self.kept(l, s);
+            let mut kept = ArrayVec::<(usize, Kept), BATCH>::new();
+            let mut edges = ArrayVec::<Edge, BATCH>::new();
+            for (i, l) in lights.iter().enumerate() {
+                if let Some((k, edge)) = self.kept(l, s) {
+                    kept.push((i, k));
+                    edges.push(edge);
+                }
             }
-            for (k, o) in kept.iter_mut().zip(out) {
-                *o = k.take().map_or(Spectrum::BLACK, |k| self.lit(k, s));
+            let mut through = [Spectrum::BLACK; BATCH];
+            let through = &mut through[..edges.len()];
+            self.probe.shadow_rays += edges.len() as u64;
+            self.scene.transmittances(&edges, through, &mut self.probe.occluders, s);
+            out.fill(Spectrum::BLACK);
+            for (((i, k), edge), through) in kept.iter().zip(&edges).zip(through) {
+                out[*i] = self.lit(k, edge, *through);
             }
         }
     }
 }
 impl<L: VirtualLight, R, K: Kernel<R, L>, B: Bounding + ?Sized> Unshadowed<L> for Gather<'_, R, K, B> {
     fn unshadowed(&mut self, light: &L, s: &mut Stream) -> Spectrum {
-        self.kept(light, s).map_or(Spectrum::BLACK, |k| k.value)
+        self.kept(light, s).map_or(Spectrum::BLACK, |(k, _)| k.value)
     }
 }
 impl<C, R, K: Bounds<R, C>, B: Bounding + ?Sized> BoundCluster<C> for Gather<'_, R, K, B> {

@@ -2,7 +2,7 @@
 
 use crate::Depth;
 use manylight_math::Spectrum;
-use manylight_scene::Edge;
+use manylight_scene::{Edge, Occluders};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -28,6 +28,8 @@ pub struct Probe {
     notes: Noted,
     /// Set when the user asks to stop: whatever takes long looks at it.
     pub cancel: Option<Arc<AtomicBool>>,
+    /// What stopped shadow rays: looked at first by the next ones. It changes no answer, and is not counted.
+    pub occluders: Occluders,
     /// What made one sample, where that is asked for.
     pub explain: Option<Explanation>,
 }

@@ -12,6 +12,7 @@ pub(crate) fn error_bound(largest: f32) -> f32 {
 }
 
 /// The point moved beyond its error bound along its geometric normal, to the side that `towards` points to.
+#[inline]
 pub fn offset_from(p: Vec3, normal: Vec3, error: f32, towards: Vec3) -> Vec3 {
     // The second term covers the rounding of this very sum.
     let step = error + p.abs().max_element() * f32::EPSILON;
@@ -22,6 +23,7 @@ pub fn offset_from(p: Vec3, normal: Vec3, error: f32, towards: Vec3) -> Vec3 {
 ///
 /// It is the same segment, and so the same answer, from either end. `None` if the ends coincide within their errors: there is
 /// no direction between them.
+#[inline]
 pub fn shadow_segment(a: (Vec3, Option<(Vec3, f32)>), b: (Vec3, Option<(Vec3, f32)>)) -> Option<Ray> {
     // Trace from the end that comes first in a fixed order, so that visibility is exactly symmetric.
     let ordered = a.0.to_array().partial_cmp(&b.0.to_array())?.is_le();

@@ -56,6 +56,14 @@ impl Oracle {
     }
 }
 
+/// How well a triangle says where a ray meets it: one if seen from above and as wide as long, zero for slivers and edge-on.
+fn condition(c: &[Vec3; 3], ray: &Ray) -> f64 {
+    let [a, b, c] = c.map(|p| p.as_dvec3());
+    let (e1, e2) = (b - a, c - a);
+    let longest = e1.length().max(e2.length()).max((e2 - e1).length());
+    (e1.cross(e2).dot(ray.dir.as_dvec3()) / (longest * longest)).abs()
+}
+
 /// Möller and Trumbore's test in f64.
 fn test(c: &[Vec3; 3], ray: &Ray) -> (Option<f64>, f64) {
     let [a, b, c] = c.map(|p| p.as_dvec3() - ray.origin.as_dvec3());
@@ -164,8 +172,13 @@ fn all_ways_to_trace_a_ray_agree() {
                 if let (Some(hit), Some((t, id))) = (hit, expected) {
                     hits += 1;
                     let error = (hit.t as f64 - t).abs() / (t.abs() + 2.0 * scale as f64 * (1.0 + far as f64));
-                    assert!(error < 2e-5, "{ray:?}: {hit:?}, t = {t}");
-                    assert!(hit.triangle == id || error < 1e-6, "{ray:?}: {hit:?}, triangle {id}");
+                    let worst = condition(&oracle.corners[hit.triangle as usize], ray)
+                        .min(condition(&oracle.corners[id as usize], ray));
+                    // Another triangle is right where it is as near.
+                    assert!(
+                        error < 4.0 * f32::EPSILON as f64 * (1.0 + 1.0 / worst),
+                        "{ray:?}: {hit:?}, t = {t}, triangle {id}"
+                    );
                 }
             }
             println!("scale {scale}, at {far}: {n} rays, {hits} hits agree, {close} too close to an edge to tell");

@@ -44,7 +44,7 @@ pub use environment::Environment;
 pub use filter::{Filter, FilterSampler};
 pub use inventory::Inventory;
 pub use manylight_bsdf::{Bsdf, Lobe, Mode};
-pub use manylight_geometry::Simd;
+pub use manylight_geometry::{Occluders, Simd};
 pub use manylight_media::{
     Flight, Glow, Grid, HenyeyGreenstein, Heterogeneous, Homogeneous, Interpolation, Medium, MediumError, Volume,
 };

@@ -160,6 +160,7 @@ impl SurfacePoint {
     /// The part of light along `w` that the slopes of a relief do not shadow: as GGX microfacets of roughness alpha,
     /// alpha^2 = tan^2 / 8 of the angle by which the normal is turned (Conty Estevez, Lecocq and Stein 2019). Of the two directions
     /// it is the one towards the light that counts.
+    #[inline]
     fn unshadowed(&self, w: Vec3) -> f32 {
         let Some((n, alpha2)) = self.shadows else { return 1.0 };
         let cos2 = n.dot(w).powi(2);
@@ -169,6 +170,7 @@ impl SurfacePoint {
     }
     /// What makes shading normals conserve what geometric normals say: |ns . wi| / |ng . wi| for light paths, one for eye
     /// paths (the part of Veach 1997, Eq. 5.19 that belongs to the arrival).
+    #[inline]
     fn arrival(&self) -> f32 {
         match self.mode {
             Mode::Radiance => 1.0,
@@ -179,10 +181,12 @@ impl SurfacePoint {
         }
     }
     /// The part of what leaves along `w` that a relief does not shadow.
+    #[inline]
     fn leaving(&self, w: Vec3) -> f32 {
         if self.mode == Mode::Radiance { self.unshadowed(w) } else { 1.0 }
     }
     /// The cosine that belongs to the departure: of the shading normal for eye paths, of the geometric one for light paths.
+    #[inline]
     fn departure(&self, w: Vec3) -> f32 {
         match self.mode {
             Mode::Radiance => self.frame.n.dot(w).abs(),
@@ -220,6 +224,7 @@ impl SurfacePoint {
         }
     }
     /// Do both normals agree on which side of the surface `w` leaves to? Else light would leak through.
+    #[inline]
     fn sides_agree(&self, w: Vec3) -> bool {
         let reflected = |n: Vec3| n.dot(w) * n.dot(self.wi) > 0.0;
         reflected(self.frame.n) == reflected(self.ng)
@@ -228,6 +233,7 @@ impl SurfacePoint {
 
 impl Vertex {
     /// BSDF, phase function or emission profile towards `w`, without this vertex's cosine. [1/sr] or [1/(m sr)]
+    #[inline]
     pub fn lobe_at(&self, w: Vec3) -> Spectrum {
         match &self.scatter {
             Scatter::Surface(x) => {
@@ -244,6 +250,7 @@ impl Vertex {
         }
     }
     /// This vertex's part of G: a cosine on a surface, one elsewhere.
+    #[inline]
     pub fn cosine(&self, w: Vec3) -> f32 {
         match &self.scatter {
             Scatter::Surface(x) => x.departure(w),
@@ -251,7 +258,20 @@ impl Vertex {
             _ => 1.0,
         }
     }
+    /// Is `eval` black along `d`, of any length? `true` is certain; it costs a product, where `eval` costs many.
+    #[inline]
+    pub fn turns_away(&self, d: Vec3) -> bool {
+        // More than the rounding of the cosine that decides.
+        let below = |n: Vec3| n.dot(d) < -16.0 * f32::EPSILON * (d.x.abs() + d.y.abs() + d.z.abs());
+        match &self.scatter {
+            // What is one-sided reflects.
+            Scatter::Surface(x) => x.bsdf.is_one_sided() && below(x.frame.n),
+            Scatter::Emitter(EmitterPoint::Lambert { n, .. }) => below(*n),
+            _ => false,
+        }
+    }
     /// What leaves towards `w` per unit of what arrives: `lobe_at` times `cosine`.
+    #[inline]
     pub fn eval(&self, w: Vec3) -> Spectrum {
         self.lobe_at(w) * self.cosine(w)
     }
@@ -322,6 +342,7 @@ impl Vertex {
         }
     }
     /// This vertex as the end of an edge. An emitter does not know what is around it: an edge starts at the other end.
+    #[inline]
     pub fn end(&self) -> End {
         let (surface, sides) = match &self.scatter {
             Scatter::Surface(x) => (Some((x.ng, x.error)), x.sides),

@@ -12,6 +12,7 @@ const COINCIDENT2: f32 = 1e-30;
 
 /// The one formula for every pair of vertices: f(x) G(x, y) f(y) flux, with G = cos cos / |x - y|^2 towards a point and cos_x
 /// towards infinity. `None` where nothing can arrive, or where the two points coincide.
+#[inline]
 pub fn connect_vertices(x: &Vertex, y: &Vertex, flux: Spectrum) -> Option<Connection> {
     if let Scatter::Emitter(EmitterPoint::Distant { towards, .. }) = y.scatter {
         let value = x.eval(towards) * flux;
@@ -19,6 +20,9 @@ pub fn connect_vertices(x: &Vertex, y: &Vertex, flux: Spectrum) -> Option<Connec
         return (!value.is_black()).then(|| Connection { value, edge: Edge::ToInfinity(x.end(), towards), pair });
     }
     let d = y.p - x.p;
+    if x.turns_away(d) || y.turns_away(-d) {
+        return None;
+    }
     let d2 = d.length_squared();
     // NaN fails too.
     if !(d2 > COINCIDENT2) {
@@ -29,7 +33,11 @@ pub fn connect_vertices(x: &Vertex, y: &Vertex, flux: Spectrum) -> Option<Connec
     if !(cosines > 0.0) {
         return None;
     }
-    let lobes = x.lobe_at(w) * y.lobe_at(-w);
+    let lobe = x.lobe_at(w);
+    if lobe.is_black() {
+        return None;
+    }
+    let lobes = lobe * y.lobe_at(-w);
     let g = cosines / d2;
     let value = lobes * flux * g;
     let pair = Pair { g, lobes: Some(lobes.largest()) };
@@ -47,6 +55,7 @@ impl Promise for Points {
     }
 }
 impl Kernel<Vertex, Vpl> for Points {
+    #[inline]
     fn connect(&self, _: &Scene, r: &Vertex, l: &Vpl, _: &mut Stream) -> Option<Connection> {
         connect_vertices(r, &l.vertex, l.flux)
     }
