@@ -60,8 +60,11 @@ impl VolumeLights {
 }
 
 impl Promise for VolumeLights {
-    /// Blocks are lights at points, and light is scattered once.
+    /// Blocks are lights at points, and light is scattered once. Where nothing emits nothing is lost.
     fn claim(&self) -> Claim {
+        if self.lights.is_empty() {
+            return Claim { misses: PathClasses::INDIRECT, ..Claim::EXACT };
+        }
         Claim { bias: f32::INFINITY, brightens: true, misses: PathClasses::INDIRECT, ..Claim::EXACT }
     }
 }

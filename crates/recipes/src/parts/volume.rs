@@ -102,7 +102,8 @@ where
     let lights = ManyLights { generator, plan, kernel: Balls, bounding, compensation, max_edges, min_edges, sharp };
     let segment = Sampled { points: v.integer("points")? as u32 };
     Ok(match v.text("march") {
-        "on" => Box::new(InMedia { lights, segment: Marched(segment) }),
+        // (Where nothing emits there is nothing that marching would be worth its bias for.)
+        "on" if scene.media_emit() => Box::new(InMedia { lights, segment: Marched(segment) }),
         _ => Box::new(InMedia { lights, segment }),
     })
 }
