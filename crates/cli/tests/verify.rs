@@ -19,7 +19,8 @@ fn all_registered_methods_keep_their_claims() {
             method.name
         );
     }
-    assert!(!out.contains("no verdict on"), "nothing could be said of some:\n{out}");
+    // Of those alone nothing can be said which promise nothing.
+    assert!(out.lines().filter(|l| l.starts_with("no verdict on")).all(|l| l.contains("either sign")), "{out}");
 }
 
 #[test]
