@@ -181,7 +181,7 @@ pub struct Compare {
     #[arg(short = 'D', value_name = "name=value", value_parser = key_value)]
     pub defines: Vec<(String, String)>,
     /// Seed of the first run; the next has the next
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 1000)]
     pub seed: u64,
     /// Threads [default: one for each core]
     #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]

@@ -151,6 +151,7 @@ fn mistakes_are_named_and_leave_nothing_behind() {
     refused("compare lamp.xml -m path -o out --times 1s --passes 2", "--passes");
     refused("compare lamp.xml -m path -o out --image a.exr", "NAME=FILE.exr@SECONDS");
     refused("compare lamp.xml -m path -o .", "belongs to the scene");
+    refused("compare lamp.xml -m path -o out --seed 98 --runs 2", "--seed 100");
     fs::remove_file(here.path().join("reference.exr")).unwrap();
     let (_, err) = ends_with(1, here.path(), "compare lamp.xml -m path -o out");
     assert!(err.contains("--reference") && err.contains("--method path"), "{err}");

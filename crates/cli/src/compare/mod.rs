@@ -40,6 +40,7 @@ pub fn run(args: &Compare) -> Result<(), Failure> {
     distinct(specs.iter().map(|s| s.label.as_str()).chain(args.images.iter().map(|i| i.name.as_str())))?;
     let budgets = budgets(args);
     let truth = Truth::find(args)?;
+    truth.differs_from(args)?;
     let baseline = baseline(args, &specs)?;
     let cancel = interrupt::flag()?;
     let options =
@@ -70,7 +71,8 @@ pub fn run(args: &Compare) -> Result<(), Failure> {
         scene: args.scene.display().to_string(),
         scene_hash: format!("{:016x}", scene.hash()),
         reference: truth.path.display().to_string(),
-        reference_noise: truth.std_error.is_some().then_some(judge.noise).flatten(),
+        reference_noise: judge.noise.map(|n| n.0),
+        reference_spread: judge.noise.map(|n| n.1),
         exposure,
         threads: threads(args),
         baseline,
@@ -123,8 +125,8 @@ struct Judge<'t> {
     exposure: f32,
     /// Budget.
     largest: f64,
-    /// The reference's own.
-    noise: Option<f64>,
+    /// The reference's own, and its spread; `None` if it is not known.
+    noise: Option<(f64, f64)>,
     rows: Vec<Row>,
     shown: Vec<Shown>,
 }
@@ -188,7 +190,7 @@ impl Judge<'_> {
         let black =
             || Failure::Mistake(format!("{} is black: no error can be measured against it", self.truth.path.display()));
         let parts = separate(&image, pair, &reference, std_error.as_ref())?.ok_or_else(black)?;
-        self.noise = Some(parts.reference);
+        self.noise = self.truth.std_error.as_ref().map(|_| (parts.reference, parts.spread));
         let comparison = Comparison { worst: 0, blocks: None, exposure: Some(self.exposure) };
         let difference = comparison.run(&image, &reference)?;
         let mut row = Row {
@@ -369,6 +371,15 @@ fn summarise(study: &Study, directory: &Directory) {
             v.best,
             v.duels.first().map_or(String::new(), against)
         ));
+        if !v.late.is_empty() {
+            say(format!("  not ranked, since two passes took much longer: {}", v.late.join(", ")));
+        }
+        if !v.untold.is_empty() {
+            say(format!(
+                "  nothing can be said of {}: their errors drown in the reference's noise",
+                v.untold.join(", ")
+            ));
+        }
     }
     say(format!("wrote {}", directory.at("index.html").display()));
 }

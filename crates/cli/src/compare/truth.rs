@@ -3,7 +3,7 @@
 use crate::args::Compare;
 use crate::failure::Failure;
 use manylight_framework::Image;
-use manylight_render::files::{Picture, read_exr};
+use manylight_render::files::{Attribute, Picture, read_exr};
 use manylight_report::ImageView;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +13,8 @@ pub struct Truth {
     pub path: PathBuf,
     /// Its pixels.
     pub image: Image,
+    /// The seed that it was rendered with, if it says so.
+    seed: Option<u64>,
     /// Their standard errors: its own layer `stderr`, or the file `NAME.stderr.exr` beside it.
     pub std_error: Option<Image>,
 }
@@ -34,7 +36,11 @@ impl Truth {
         }
     }
     fn read(path: &Path) -> Result<Truth, Failure> {
-        let Picture { image, standard_error, .. } = read_exr(path)?;
+        let Picture { image, standard_error, attributes, .. } = read_exr(path)?;
+        let seed = match attributes.get("seed") {
+            Some(Attribute::Text(seed)) => seed.parse().ok(),
+            _ => None,
+        };
         let aside = path.with_extension("stderr.exr");
         let std_error = match standard_error {
             None if aside.is_file() => Some(read_exr(&aside)?.image),
@@ -52,7 +58,18 @@ impl Truth {
                 other.height
             )));
         }
-        Ok(Truth { path: path.into(), image, std_error })
+        Ok(Truth { path: path.into(), image, seed, std_error })
+    }
+    /// A run with the reference's random numbers would make its errors too, and so look better than it is.
+    pub fn differs_from(&self, args: &Compare) -> Result<(), Failure> {
+        match self.seed {
+            Some(seed) if seed.wrapping_sub(args.seed) < args.runs.into() => Err(Failure::Mistake(format!(
+                "{} was rendered with seed {seed}, which one of the runs would use again: say --seed {}",
+                self.path.display(),
+                seed.wrapping_add(1)
+            ))),
+            _ => Ok(()),
+        }
     }
     /// The size to render at: the reference's, which the user's own has to be.
     pub fn size(&self, asked: Option<(u32, u32)>) -> Result<(u32, u32), Failure> {

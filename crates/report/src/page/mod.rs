@@ -74,7 +74,10 @@ impl Study {
                 })
                 .collect();
             let best = escaped(&v.best);
-            let rest = if duels.is_empty() { String::new() } else { format!("; {}", duels.join("; ")) };
+            let mut rest = duels;
+            rest.extend(v.untold.iter().map(|m| format!("nothing can be said of <code>{}</code>", escaped(m))));
+            rest.extend(v.late.iter().map(|m| format!("<code>{}</code> took longer and is not ranked", escaped(m))));
+            let rest: String = rest.iter().map(|r| format!("; {r}")).collect();
             format!("<li>In {}: <strong><code>{best}</code></strong> has the least error{rest}.</li>", v.budget)
         };
         let list: String = verdicts.iter().map(item).collect();
@@ -167,20 +170,25 @@ impl Study {
         let summary = self.summary();
         let item = |s: &crate::Subject| {
             let last = summary.iter().rfind(|o| o.method == s.method);
-            let seen = match last.and_then(|l| l.bias.map(|b| (b, l))) {
-                Some((Estimate { mean, low: Some(low), .. }, l)) if low > 0.0 => {
-                    format!(
-                        "A bias was seen: {:.1} % (root of its mean square) after {}.",
-                        100.0 * mean.sqrt(),
-                        l.budget
-                    )
-                }
-                Some((Estimate { high: Some(high), .. }, l)) if high > 0.0 => {
-                    format!("No bias was seen; it may be {:.1} % after {}.", 100.0 * high.sqrt(), l.budget)
-                }
-                Some((_, l)) if l.runs > 1 => "No bias was seen.".into(),
-                _ => "Whether it is biased takes two runs of two passes to tell.".into(),
-            };
+            // All runs share the reference: what its noise adds to all of them is in no interval over runs.
+            let seen =
+                match last.and_then(|l| l.bias.map(|b| (b.widened(1.96 * self.reference_spread.unwrap_or(0.0)), l))) {
+                    Some(_) if self.reference_noise.is_none() => {
+                        "Whether it is biased cannot be told: the reference's own noise is not known.".into()
+                    }
+                    Some((Estimate { mean, low: Some(low), .. }, l)) if low > 0.0 => {
+                        format!(
+                            "A bias was seen: {:.1} % (root of its mean square) after {}.",
+                            100.0 * mean.sqrt(),
+                            l.budget
+                        )
+                    }
+                    Some((Estimate { high: Some(high), .. }, l)) if high > 0.0 => {
+                        format!("No bias was seen; it may be {:.1} % after {}.", 100.0 * high.sqrt(), l.budget)
+                    }
+                    Some((_, l)) if l.runs > 1 => "No bias was seen.".into(),
+                    _ => "Whether it is biased takes two runs of two passes to tell.".into(),
+                };
             let parameters: Vec<String> = s.parameters.iter().map(|(k, v)| format!("{k}={v}")).collect();
             format!(
                 "<dt><code>{}</code></dt><dd>{}. {seen}<br><small>{}</small></dd>",

@@ -110,6 +110,9 @@ pub struct Study {
     pub reference: String,
     /// mean Var(R) / (R^2 + eps): the reference's own noise in `relmse`. `None`: it is not known, and not subtracted.
     pub reference_noise: Option<f64>,
+    /// Standard deviation of what the reference's noise adds to `bias`, in all runs alike, for Gaussian noise independent from pixel to
+    /// pixel: sqrt(2 sum Var(R)^2 / (R^2 + eps)^2) / n.
+    pub reference_spread: Option<f64>,
     /// Of FLIP, and of the images to begin with. \[stops\]
     pub exposure: f32,
     /// Threads.
@@ -191,6 +194,7 @@ pub(crate) mod tests {
             scene_hash: "0".into(),
             reference: "r.exr".into(),
             reference_noise: Some(0.001),
+            reference_spread: Some(0.0001),
             exposure: 0.0,
             threads: 2,
             baseline: methods[0].0.into(),

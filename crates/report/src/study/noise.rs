@@ -12,6 +12,8 @@ pub struct Noise {
     pub relmse: f64,
     /// The reference's variance; 0 if it is not known.
     pub reference: f64,
+    /// Standard deviation of that variance's estimate by one reference: sqrt(2 sum Var(R)^2 / (R^2 + eps)^2) / n.
+    pub spread: f64,
     /// mean (A - R)(B - R) / (R^2 + eps) without the reference's variance, A and B being the means of two independent halves of the
     /// passes: its expectation is the squared bias. `None`: there is one pass.
     pub bias: Option<f64>,
@@ -54,7 +56,7 @@ pub fn separate(
     if !(eps > 0.0) {
         return Ok(None);
     }
-    let (mut error, mut variance, mut product) = (0.0, 0.0, 0.0);
+    let (mut error, mut variance, mut squares, mut product) = (0.0, 0.0, 0.0, 0.0);
     for i in &kept {
         let at = |view: &ImageView| channels(view.pixels()[*i]);
         let (x, r) = (at(image), at(reference));
@@ -62,13 +64,16 @@ pub fn separate(
         for c in 0..3 {
             let weight = 1.0 / (r[c] * r[c] + eps);
             error += weight * (x[c] - r[c]).powi(2);
-            variance += weight * s.map_or(0.0, |s| s[c] * s[c]);
+            let own = weight * s.map_or(0.0, |s| s[c] * s[c]);
+            variance += own;
+            squares += own * own;
             product += weight * ab.map_or(0.0, |[a, b]| (a[c] - r[c]) * (b[c] - r[c]));
         }
     }
     let n = 3.0 * kept.len() as f64;
     let reference = variance / n;
-    Ok(Some(Noise { relmse: error / n, reference, bias: halves.map(|_| product / n - reference) }))
+    let spread = (2.0 * squares).sqrt() / n;
+    Ok(Some(Noise { relmse: error / n, reference, spread, bias: halves.map(|_| product / n - reference) }))
 }
 
 #[cfg(test)]
@@ -96,6 +101,8 @@ mod tests {
         assert!((split.net() * 1.01 - 0.03).abs() < 0.001, "{split:?}");
         assert!((split.bias.unwrap() * 1.01 - 0.01).abs() < 0.001, "{split:?}");
         assert!((split.reference * 1.01 - 0.0004).abs() < 0.00002, "{split:?}");
+        // 3 n numbers of relative variance 0.0004 each.
+        assert!((split.spread / (0.0004 / 1.01 * (2.0 / 120_000.0f64).sqrt()) - 1.0).abs() < 0.05, "{split:?}");
         let alone = crate::compare(&view(&image), &view(&r)).unwrap();
         assert!((split.relmse / alone.relmse.unwrap() - 1.0).abs() < 1e-12);
     }

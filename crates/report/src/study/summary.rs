@@ -45,6 +45,11 @@ impl Estimate {
             high: relative.map(|h| m.mean() * h.exp()),
         })
     }
+    /// With another error, independent of that over runs.
+    pub(crate) fn widened(self, half: f64) -> Estimate {
+        let wide = |end: f64| (end - self.mean).hypot(half);
+        Estimate { low: self.low.map(|l| self.mean - wide(l)), high: self.high.map(|h| self.mean + wide(h)), ..self }
+    }
     /// The exponential of all three: of logarithms of ratios.
     fn exp(self) -> Estimate {
         Estimate { mean: self.mean.exp(), low: self.low.map(f64::exp), high: self.high.map(f64::exp) }
@@ -120,7 +125,14 @@ pub struct Verdict {
     pub best: String,
     /// Against the others, the nearest first.
     pub duels: Vec<Duel>,
+    /// Methods that took much longer than the budget allows, since a pass is never cut and two always finish: they are not ranked.
+    pub late: Vec<String>,
+    /// Methods that cannot be held against the best: too few runs in common with an error above the reference's own noise.
+    pub untold: Vec<String>,
 }
+
+/// Time over the budget from which on a method is late.
+const LATE: f64 = 1.25;
 
 impl Study {
     /// Each method at each budget.
@@ -181,8 +193,11 @@ impl Study {
         f: impl Fn(&Row) -> Option<f64>,
     ) -> Option<(Estimate, Option<f64>)> {
         let partner = |r: &Row| self.rows(b, budget).find(|o| o.run == r.run).and_then(&f);
-        let differences: Option<Vec<f64>> = self.rows(a, budget).map(|r| Some(partner(r)? - f(r)?)).collect();
-        let differences = differences.filter(|d| !d.is_empty())?;
+        // Runs that both have, and where both say something: a study may have been interrupted.
+        let differences: Vec<f64> = self.rows(a, budget).filter_map(|r| Some(partner(r)? - f(r)?)).collect();
+        if differences.is_empty() {
+            return None;
+        }
         let m: Moments = differences.iter().copied().collect();
         let p = (m.count() > 1).then(|| MeanTest::one_sample(&m, 0.0, Alternative::Different).p_value);
         Some((Estimate::linear(differences.into_iter())?.exp(), p))
@@ -205,8 +220,12 @@ impl Study {
     pub fn verdict(&self) -> Vec<Verdict> {
         let summary = self.summary();
         let at = |budget: Cost| -> Option<Verdict> {
-            let mut there: Vec<&Summary> =
-                summary.iter().filter(|s| s.budget == budget && s.passes.is_some()).collect();
+            let in_time = |s: &&Summary| match budget {
+                Cost::Seconds(t) => s.seconds <= LATE * t,
+                Cost::Passes(_) => true,
+            };
+            let all = summary.iter().filter(|s| s.budget == budget && s.passes.is_some());
+            let (mut there, late): (Vec<&Summary>, Vec<&Summary>) = all.partition(in_time);
             there.sort_by(|a, b| a.relmse_net.mean.total_cmp(&b.relmse_net.mean));
             let (best, others) = there.split_first()?;
             let log = |r: &Row| (r.relmse_net > 0.0).then(|| r.relmse_net.ln());
@@ -216,6 +235,9 @@ impl Study {
                     self.paired(&best.method, &o.method, budget, log).map(|(e, p)| (o.method.as_str(), e, p))
                 })
                 .collect();
+            let untold =
+                others.iter().filter(|o| found.iter().all(|f| f.0 != o.method)).map(|o| o.method.clone()).collect();
+            let late = late.iter().map(|s| s.method.clone()).collect();
             let adjusted = holm(&found.iter().map(|f| f.2.unwrap_or(1.0)).collect::<Vec<_>>());
             let duels = found.iter().zip(adjusted).map(|((method, ratio, p), adjusted)| Duel {
                 method: (*method).into(),
@@ -223,7 +245,7 @@ impl Study {
                 adjusted_p: p.map(|_| adjusted),
                 significant: p.is_some() && adjusted < ALPHA,
             });
-            Some(Verdict { budget, best: best.method.clone(), duels: duels.collect() })
+            Some(Verdict { budget, best: best.method.clone(), duels: duels.collect(), late, untold })
         };
         self.budgets.iter().filter_map(|b| at(*b)).collect()
     }
@@ -276,6 +298,20 @@ mod tests {
             .count();
         // The best of three is chosen after the fact, so that duels against it are not quite those of the test.
         assert!(called < 400 * 12 / 100, "{called}");
+    }
+    #[test]
+    fn who_took_longer_is_not_ranked_and_runs_without_a_partner_are_left_out() {
+        let mut s = study(&[("a", 1.0), ("slow", 0.1), ("c", 2.0)], &[1.0, 16.0], 4);
+        s.rows.iter_mut().filter(|r| r.method == "slow").for_each(|r| r.seconds = r.seconds.max(8.0));
+        s.rows.retain(|r| !(r.method == "c" && r.run == 3));
+        let verdict = s.verdict();
+        assert_eq!((verdict[0].best.as_str(), &verdict[0].late[..]), ("a", &["slow".to_string()][..]));
+        assert_eq!(verdict[0].duels[0].method, "c");
+        assert!(verdict[0].duels[0].significant);
+        assert_eq!((verdict[1].best.as_str(), verdict[1].late.len()), ("slow", 0));
+        s.rows.iter_mut().filter(|r| r.method == "c").for_each(|r| r.relmse_net = -1e-9);
+        let verdict = s.verdict();
+        assert_eq!((verdict[0].best.as_str(), &verdict[0].untold[..]), ("c", &["a".to_string()][..]));
     }
     #[test]
     fn a_single_run_says_nothing_of_chance() {
