@@ -29,6 +29,7 @@ mod camera;
 mod emitter;
 mod environment;
 mod filter;
+mod hash;
 mod inventory;
 mod mask;
 mod material;

@@ -282,23 +282,23 @@ fn shadow_ray(edge: &Edge) -> Option<Ray> {
 pub(crate) struct Placed {
     name: String,
     pub(crate) material: MaterialId,
-    radiance: Option<Source>,
+    pub(crate) radiance: Option<Source>,
     pub(crate) emitter: u32,
 }
 
 /// Everything that is rendered. Read-only while rendering.
 pub struct Scene {
     /// None of it, where there is no medium.
-    media: Option<Box<Media>>,
+    pub(crate) media: Option<Box<Media>>,
     media_emit: bool,
     pub(crate) geometry: Geometry,
     pub(crate) shapes: Vec<Placed>,
     pub(crate) materials: Vec<Material>,
     pub(crate) textures: Vec<Texture>,
-    emitters: Emitters,
-    camera: Camera,
-    filter: Filter,
-    max_depth: Option<u32>,
+    pub(crate) emitters: Emitters,
+    pub(crate) camera: Camera,
+    pub(crate) filter: Filter,
+    pub(crate) max_depth: Option<u32>,
     rr_depth: Option<u32>,
     delta_lobes: bool,
     /// Is any shape not all there?
@@ -577,60 +577,9 @@ impl Scene {
     pub fn bsdf(&self, material: MaterialId, uv: manylight_math::Vec2) -> Bsdf {
         self.materials[material.0 as usize].front.resolve(&self.textures, uv)
     }
-    /// A number that differs where scenes differ: FNV-1a over geometry, materials, textures, emitters and camera.
-    pub fn hash(&self) -> u64 {
-        let mut h = Fnv(0xcbf2_9ce4_8422_2325);
-        for (shape, placed) in self.geometry.shapes().iter().zip(&self.shapes) {
-            h.shape(shape);
-            h.add(format!("{:?} {:?}", placed.material, placed.radiance).as_bytes());
-        }
-        for t in &self.textures {
-            match t {
-                Texture::Bitmap { image, filter, wrap, to_uv } => {
-                    image.pixels.iter().for_each(|p| h.floats(&p.to_array()));
-                    h.add(format!("{} {} {filter:?} {wrap:?} {to_uv:?}", image.width, image.height).as_bytes());
-                }
-                other => h.add(format!("{other:?}").as_bytes()),
-            }
-        }
-        let rest = format!("{:?} {:?} {:?} {:?}", self.materials, self.camera, self.filter, self.max_depth);
-        h.add(rest.as_bytes());
-        h.floats(&self.emitters.numbers());
-        if let Some(media) = &self.media {
-            media.list.iter().for_each(|m| h.add(format!("{m:?}").as_bytes()));
-            h.add(format!("{:?} {:?}", media.of_shape, media.boundaries.as_ref().map(|b| b.geometry().1)).as_bytes());
-            media.boundaries.iter().for_each(|b| h.geometry(b.geometry().0));
-        }
-        h.0
-    }
 }
 
 /// A ray up to a surface, and not beyond: a boundary that coincides with the surface is not crossed.
 fn until(ray: &Ray, t: f32) -> Ray {
     Ray { t_max: t * (1.0 - 4.0 * f32::EPSILON), ..*ray }
-}
-
-struct Fnv(u64);
-impl Fnv {
-    fn add(&mut self, bytes: &[u8]) {
-        for b in bytes {
-            self.0 = (self.0 ^ *b as u64).wrapping_mul(0x100_0000_01b3);
-        }
-    }
-    fn geometry(&mut self, geometry: &Geometry) {
-        geometry.shapes().iter().for_each(|s| self.shape(s));
-    }
-    fn shape(&mut self, shape: &ShapeGeometry) {
-        match shape {
-            ShapeGeometry::Mesh(m) => {
-                m.positions.iter().chain(&m.normals).for_each(|p| self.floats(&p.to_array()));
-                m.uvs.iter().for_each(|p| self.floats(&p.to_array()));
-                m.triangles.iter().flatten().for_each(|i| self.add(&i.to_le_bytes()));
-            }
-            round => self.add(format!("{round:?}").as_bytes()),
-        }
-    }
-    fn floats(&mut self, values: &[f32]) {
-        values.iter().for_each(|x| self.add(&x.to_bits().to_le_bytes()));
-    }
 }

@@ -9,7 +9,7 @@ use super::lanes::{Lanes, WIDTH};
 use super::tree::{Block, Node, Tree};
 use crate::triangle::ShearedRay;
 use arrayvec::ArrayVec;
-use manylight_math::{Ray, Vec3};
+use manylight_math::{DVec3, Ray, Vec3};
 
 /// A hit: distance \[m\], primitive, barycentrics of the second and third vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,6 +161,36 @@ impl<L: Lanes> Shear<L> {
         let y = l.sub(l.sub(l.load(&corner[self.axes[1]]), self.origin[1]), l.mul(self.shear[1], z));
         Sheared { x, y, z }
     }
+    /// Up to what distance a hit may in truth be behind the ray: a bound on its rounding error, for corners relative to the origin and
+    /// edge functions u, v, w (Pharr, Jakob and Humphreys 2016, section 3.9.6). A sliver tells distances badly, and a ray that leaves
+    /// one beside it must not meet it.
+    #[inline(always)]
+    fn doubt(&self, l: L, corners: [&Sheared<L>; 3], [u, v, w]: [L::F; 3], determinant: L::F) -> L::F {
+        let [a, b, c] = corners;
+        let scale = self.size(l, self.shear[2], self.shear[2], self.shear[2]);
+        let (x, y) = (self.size(l, a.x, b.x, c.x), self.size(l, a.y, b.y, c.y));
+        let (z, e) = (l.mul(self.size(l, a.z, b.z, c.z), scale), self.size(l, u, v, w));
+        let (gamma2, gamma3, gamma5) = (l.splat(gamma(2)), l.splat(gamma(3)), l.splat(gamma(5)));
+        let dz = l.mul(gamma3, z);
+        let (dx, dy) = (l.mul(gamma5, l.add(x, z)), l.mul(gamma5, l.add(y, z)));
+        let de = l.add(l.mul(gamma2, l.mul(x, y)), l.add(l.mul(dy, x), l.mul(dx, y)));
+        let de = l.add(de, de);
+        let sum = l.add(l.mul(gamma3, l.mul(e, z)), l.add(l.mul(de, z), l.mul(dz, e)));
+        let d = self.size(l, determinant, determinant, determinant);
+        l.div(l.mul(l.splat(3.0), sum), d)
+    }
+    /// The largest magnitude of three.
+    #[inline(always)]
+    fn size(&self, l: L, a: L::F, b: L::F, c: L::F) -> L::F {
+        let (least, most) = (l.min(l.min(a, b), c), l.max(l.max(a, b), c));
+        l.max(most, l.sub(self.zero, least))
+    }
+}
+
+/// Bound on the relative error of n roundings.
+const fn gamma(n: u32) -> f32 {
+    let nu = n as f32 * U;
+    nu / (1.0 - nu)
 }
 
 #[inline(always)]
@@ -199,7 +229,34 @@ pub(crate) fn block<L: Lanes>(l: L, block: &Block, ray: &Shear<L>, limit: L::F) 
     let t = l.div(l.mul(ray.shear[2], depth), determinant);
     // NaN (a triangle without area, or none) fails both comparisons.
     lanes &= l.bits(l.and(l.lt(zero, t), l.le(t, limit)));
+    if lanes == 0 {
+        return None;
+    }
+    let doubtful = l.bits(l.le(t, ray.doubt(l, [&a, &b, &c], [u, v, w], determinant))) & lanes;
+    if doubtful != 0 {
+        lanes &= !behind(l, block, ray, doubtful);
+    }
     if lanes == 0 { None } else { Some(Found { lanes, t, v, w, determinant }) }
+}
+
+/// Of some triangles those whose plane the ray leaves behind, or lies in.
+#[cold]
+#[inline(never)]
+fn behind<L: Lanes>(l: L, block: &Block, ray: &Shear<L>, lanes: u32) -> u32 {
+    let [x, y, z] = [0, 1, 2].map(|k| f64::from(l.store(ray.origin[k])[0]));
+    let origin = DVec3::new(x, y, z);
+    let [x, y, z] = [0, 1, 2].map(|k| f64::from(l.store(ray.shear[k])[0]));
+    let along = DVec3::new(x, y, 1.0) * z.signum();
+    let is_behind = |k: &usize| {
+        let [a, b, c] = block.corners.map(|corner| {
+            let [x, y, z] = ray.axes.map(|axis| f64::from(corner[axis][*k]));
+            DVec3::new(x, y, z)
+        });
+        let n = (b - a).cross(c - a);
+        // NaN is behind, too.
+        !(n.dot(a - origin) * n.dot(along) > 0.0)
+    };
+    (0..WIDTH).filter(|k| lanes >> k & 1 != 0).filter(is_behind).fold(0, |set, k| set | 1 << k)
 }
 
 /// Where an edge function is zero in f32: all three in f64, where the products are exact.
@@ -429,7 +486,7 @@ mod tests {
     /// The block's test and the one of single triangles, bit by bit; on small whole numbers, so that rays meet edges exactly.
     fn same_as_singly<L: Lanes>(l: L) {
         let mut s = Stream::new(8, [0; 3], Purpose::TEST);
-        let (mut hits, mut on_edge) = (0, 0);
+        let (mut hits, mut on_edge, mut behind) = (0, 0, 0);
         for k in 0..4000 {
             let mut number = || if k % 4 == 0 { s.next_f32() * 8.0 - 4.0 } else { s.next_below(9) as f32 - 4.0 };
             let mut point = || Vec3::new(number(), number(), number());
@@ -446,7 +503,16 @@ mod tests {
                 l.splat(f32::INFINITY),
             );
             for (t, triangle) in triangles.iter().enumerate() {
+                // But for planes through the origin, up to rounding: those are told by `doubt` and `behind`.
+                let [a, b, c] = triangle.map(|p| p.as_dvec3() - origin.as_dvec3());
+                let n = (b - a).cross(c - a);
+                let in_front = n.dot(a) * n.dot(ray.dir.as_dvec3()) > 0.0;
                 let single = ShearedRay::new(&ray).intersect(triangle, f32::INFINITY);
+                if single.is_some() && !in_front {
+                    assert!(single.is_some_and(|h| h.0 < 1e-4), "{single:?} {ray:?} {triangle:?}");
+                    behind += 1;
+                    continue;
+                }
                 let by_eight = found.as_ref().filter(|f| f.lanes >> t & 1 != 0).map(|f| {
                     let (b1, b2) = (l.div(f.v, f.determinant), l.div(f.w, f.determinant));
                     (l.store(f.t)[t], l.store(b1)[t], l.store(b2)[t])
@@ -457,7 +523,35 @@ mod tests {
                 on_edge += single.is_some_and(|h| h.1 == 0.0 || h.2 == 0.0 || h.1 + h.2 == 1.0) as u32;
             }
         }
-        assert!(hits > 1000 && on_edge > 100, "{hits} hits, {on_edge} on edges");
+        assert!(hits > 1000 && on_edge > 100 && behind < 20, "{hits} hits, {on_edge} on edges, {behind} behind");
+    }
+    /// Slivers in a plane, and rays that leave it from closer than their distances can be told: they meet none of them.
+    fn slivers_behind<L: Lanes>(l: L) {
+        let mut s = Stream::new(9, [0; 3], Purpose::TEST);
+        let mut doubted = 0;
+        for _ in 0..20_000 {
+            let width = 1e-6 * (0.1 + s.next_f32());
+            let triangles: [[Vec3; 3]; WIDTH] = std::array::from_fn(|k| {
+                let y = k as f32 * 0.1 * width;
+                [Vec3::new(-1.0, y, 1.0), Vec3::new(1.0, y, 1.0), Vec3::new(s.next_f32() - 0.5, y + width, 1.0)]
+            });
+            let corners = [0, 1, 2].map(|c| [0, 1, 2].map(|a| std::array::from_fn(|t| triangles[t][c][a])));
+            let block_of = Block { corners, ids: [0; WIDTH] };
+            let dir = Vec3::new(s.next_f32() - 0.5, s.next_f32() - 0.5, -0.2 - s.next_f32()).normalize();
+            let ray = Ray::new(Vec3::new(0.2 * s.next_f32(), width * s.next_f32(), 1.0 - 1e-6), dir);
+            let found = block(l, &block_of, &Shear::new(l, &AxialRay::new(&ray)), l.splat(f32::INFINITY));
+            assert!(found.is_none(), "{ray:?}");
+            doubted += triangles.iter().filter(|t| ShearedRay::new(&ray).intersect(t, f32::INFINITY).is_some()).count();
+        }
+        assert!(doubted > 100, "{doubted}: the test tests nothing");
+    }
+    #[test]
+    fn rays_that_leave_a_plane_meet_none_of_its_slivers() {
+        slivers_behind(Portable);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = super::super::avx2::Avx2::detect() {
+            slivers_behind(avx2);
+        }
     }
     #[test]
     fn blocks_meet_what_single_triangles_do() {
