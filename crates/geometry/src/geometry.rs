@@ -84,7 +84,7 @@ pub enum GeometryError {
         shape: usize,
     },
     /// More primitives than an index holds.
-    #[error("{primitives} primitives: at most 2^30 are possible")]
+    #[error("{primitives} primitives: at most 2^30 - 1 are possible")]
     TooMany {
         /// How many.
         primitives: usize,

@@ -4,6 +4,9 @@ use crate::{Scene, Source};
 use manylight_geometry::{Hit, offset_from};
 use manylight_math::Ray;
 
+/// Surfaces that a ray may pass; the next one is opaque. No scene has so many, but rounding could keep a ray at one for ever.
+const MOST_PASSED: u32 = 4096;
+
 impl Scene {
     /// The first surface along a ray that is there. Where only a part of one is, a coin decides, a function of the ray and the
     /// hit: the same ray always meets the same.
@@ -13,15 +16,16 @@ impl Scene {
             return Some(hit);
         }
         let (mut rest, mut passed) = (*ray, 0.0);
-        loop {
+        for through in 0.. {
             let opacity = self.opacity(&rest, &hit);
-            if opacity >= 1.0 || coin(&rest, &hit, 0) < opacity {
+            if opacity >= 1.0 || through == MOST_PASSED || coin(&rest, &hit, 0) < opacity {
                 return Some(Hit { t: passed + hit.t, ..hit });
             }
             rest = self.beyond(&rest, &hit);
             passed = (rest.origin - ray.origin).dot(ray.dir);
             hit = self.geometry.intersect(&rest)?;
         }
+        None
     }
     /// The fraction of a surface that is there.
     fn opacity(&self, ray: &Ray, hit: &Hit) -> f32 {
@@ -43,7 +47,11 @@ impl Scene {
             return if self.geometry.occluded(ray) { 0.0 } else { 1.0 };
         }
         let (mut rest, mut clear) = (*ray, 1.0);
-        while let Some(hit) = self.geometry.intersect(&rest) {
+        for through in 0.. {
+            let Some(hit) = self.geometry.intersect(&rest) else { break };
+            if through == MOST_PASSED {
+                return 0.0;
+            }
             clear *= 1.0 - self.opacity(&rest, &hit).clamp(0.0, 1.0);
             if clear <= 0.0 {
                 return 0.0;

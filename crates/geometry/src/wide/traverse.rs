@@ -239,7 +239,8 @@ pub(crate) fn block<L: Lanes>(l: L, block: &Block, ray: &Shear<L>, limit: L::F) 
     if lanes == 0 { None } else { Some(Found { lanes, t, v, w, determinant }) }
 }
 
-/// Of some triangles those whose plane the ray leaves behind, or lies in.
+/// Of some triangles those whose plane the ray leaves behind, by more than its origin may be off: a ray that starts in a corner may
+/// start on the wall that it is to meet, or beyond.
 #[cold]
 #[inline(never)]
 fn behind<L: Lanes>(l: L, block: &Block, ray: &Shear<L>, lanes: u32) -> u32 {
@@ -247,14 +248,14 @@ fn behind<L: Lanes>(l: L, block: &Block, ray: &Shear<L>, lanes: u32) -> u32 {
     let origin = DVec3::new(x, y, z);
     let [x, y, z] = [0, 1, 2].map(|k| f64::from(l.store(ray.shear[k])[0]));
     let along = DVec3::new(x, y, 1.0) * z.signum();
+    let off = 4.0 * f64::from(U) * origin.abs().max_element();
     let is_behind = |k: &usize| {
         let [a, b, c] = block.corners.map(|corner| {
             let [x, y, z] = ray.axes.map(|axis| f64::from(corner[axis][*k]));
             DVec3::new(x, y, z)
         });
-        let n = (b - a).cross(c - a);
-        // NaN is behind, too.
-        !(n.dot(a - origin) * n.dot(along) > 0.0)
+        let n = (b - a).cross(c - a).normalize_or_zero();
+        n.dot(a - origin) * n.dot(along).signum() < -off
     };
     (0..WIDTH).filter(|k| lanes >> k & 1 != 0).filter(is_behind).fold(0, |set, k| set | 1 << k)
 }
@@ -506,7 +507,7 @@ mod tests {
                 // But for planes through the origin, up to rounding: those are told by `doubt` and `behind`.
                 let [a, b, c] = triangle.map(|p| p.as_dvec3() - origin.as_dvec3());
                 let n = (b - a).cross(c - a);
-                let in_front = n.dot(a) * n.dot(ray.dir.as_dvec3()) > 0.0;
+                let in_front = n.dot(a) * n.dot(ray.dir.as_dvec3()) >= 0.0;
                 let single = ShearedRay::new(&ray).intersect(triangle, f32::INFINITY);
                 if single.is_some() && !in_front {
                     assert!(single.is_some_and(|h| h.0 < 1e-4), "{single:?} {ray:?} {triangle:?}");

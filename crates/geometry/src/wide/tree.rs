@@ -60,8 +60,8 @@ impl Tree {
     pub const LEAF: u32 = 1 << 31;
     /// Marks a leaf that is one round primitive.
     pub const ROUND: u32 = 1 << 30;
-    /// Primitives that a tree can name.
-    pub const MOST: usize = 1 << 30;
+    /// Primitives that a tree can name: one less, since a round one of the last number would be named as an absent child is.
+    pub const MOST: usize = (1 << 30) - 1;
 
     /// Of primitives of finite coordinates, at most `MOST`, and the binary tree over them, of one a leaf.
     pub fn new(solids: &[Solid], bvh: &Bvh2) -> Self {

@@ -31,7 +31,7 @@ pub(crate) const PARAMS: &[Param] = &[
         "glossy-vpls",
         Kind::Choice(&["on", "off"]),
         "on",
-        "lights emit by their BSDF; `off`: as diffuse surfaces of the same albedo (keeps the energy, not its directions)",
+        "lights emit by their BSDF; `off`: as diffuse surfaces of the same albedo (keeps the energy, not its directions; rough glass keeps its own)",
     )
     .part_of("generator", INDIRECT),
     Param::new(
