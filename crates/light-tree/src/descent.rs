@@ -55,26 +55,6 @@ pub(crate) fn descend<L: Clustered>(
     walk
 }
 
-/// The same, for several walks at once. A walk down a large tree waits for memory at each node: what all of them look at next is
-/// copied here before any goes on, and so arrives together.
-pub(crate) fn descend_all<L: Clustered>(
-    tree: &LightTree<L>,
-    walks: &mut [Descent],
-    mut odds: impl FnMut([&L::Cluster; 2]) -> Option<[f64; 2]>,
-) {
-    let mut walking: Vec<usize> = (0..walks.len()).collect();
-    let mut ahead = Vec::with_capacity(walks.len());
-    while !walking.is_empty() {
-        walking.retain(|&w| {
-            let children = tree.children(walks[w].node);
-            ahead.extend(children.map(|c| (c, c.map(|c| *tree.cluster(c)))));
-            children.is_some()
-        });
-        let mut next = ahead.drain(..);
-        walking.retain(|&w| next.next().is_some_and(|(children, [a, b])| walks[w].turn(children, odds([&a, &b]))));
-    }
-}
-
 /// Probability with which `descend` ends at the light of this place among the leaves, which lies below the node.
 pub(crate) fn probability<L: Clustered>(
     tree: &LightTree<L>,

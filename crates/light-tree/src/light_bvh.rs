@@ -1,6 +1,6 @@
 //! Importance sampling of many lights by a light BVH.
 
-use crate::descent::{Descent, descend, descend_all, importance, probability};
+use crate::descent::{descend, importance, probability};
 use crate::{Growth, LightTree};
 use manylight_framework::{
     BuildError, Claim, Clustered, Contribute, LightSet, Occlusion, Picks, Plan, Promise, ReachCluster,
@@ -58,13 +58,14 @@ impl<L: Clustered, Q: Contribute<L> + ReachCluster<L::Cluster>> LightSet<Q> for 
     fn radiance(&self, ask: &mut Q, s: &mut Stream) -> Spectrum {
         let Some(root) = self.tree.root() else { return Spectrum::BLACK };
         let n = self.samples as f64;
-        let mut walks: Vec<Descent> =
-            (0..self.samples).map(|stratum| Descent::from(root, (stratum as f64 + s.next_f64()) / n)).collect();
-        descend_all(&self.tree, &mut walks, |children| self.odds(ask, children));
-        let values = self.tree.given(&walks, ask, s);
         let mut sum = [0.0f64; 3];
-        for (d, value) in walks.iter().zip(values) {
-            let c = value.to_array();
+        for stratum in 0..self.samples {
+            let u = (stratum as f64 + s.next_f64()) / n;
+            let d = descend(&self.tree, root, u, |children| self.odds(ask, children));
+            if d.dead {
+                continue;
+            }
+            let c = ask.contribution(self.tree.light(d.node), s).to_array();
             (0..3).for_each(|k| sum[k] += c[k] as f64 / (n * d.probability));
         }
         Spectrum::from(sum.map(|x| x as f32))

@@ -1,6 +1,6 @@
 //! Stochastic lightcuts.
 
-use crate::descent::{Descent, descend, descend_all, min_max, probability};
+use crate::descent::{Descent, descend, min_max, probability};
 use crate::{Growth, LightTree};
 use manylight_framework::{
     BuildError, Claim, Clustered, Contribute, KnobSet, LightSet, Notes, Occlusion, Picks, Plan, Promise, ReachCluster,
@@ -129,13 +129,7 @@ where
     fn radiance(&self, ask: &mut Q, s: &mut Stream) -> Spectrum {
         let Some(root) = self.tree.root() else { return Spectrum::BLACK };
         let samples = match self.plan.by {
-            CutBy::Size => {
-                let mut walks: Vec<Descent> =
-                    self.cut(root, ask).iter().map(|o| Descent::from(o.node, s.next_f64())).collect();
-                descend_all(&self.tree, &mut walks, |children| self.odds(ask, children));
-                let values = self.tree.given(&walks, ask, s);
-                walks.into_iter().zip(values).map(|(end, value)| Sample { end, value }).collect()
-            }
+            CutBy::Size => self.cut(root, ask).iter().map(|o| self.sample(o.node, ask, s)).collect(),
             CutBy::Error(error) => self.refined(root, error, ask, s),
         };
         ask.note("cut size", samples.len() as f32);

@@ -1,9 +1,7 @@
 //! A binary tree of lights.
 
-use crate::descent::Descent;
 use crate::{TreeError, fast, greedy};
-use manylight_framework::{BuildError, Clustered, Contribute};
-use manylight_math::Spectrum;
+use manylight_framework::{BuildError, Clustered};
 use manylight_sampling::{Purpose, Stream};
 
 /// A node: a leaf is one light.
@@ -234,17 +232,6 @@ impl<L: Clustered> LightTree<L> {
     /// The light of a leaf.
     pub fn light(&self, leaf: u32) -> &L {
         &self.lights[self.place(leaf) as usize]
-    }
-    /// What the lights give at which walks ended, in their order; black in dead branches. Lights are gathered first, for the same
-    /// reason as in `descend_all`, and then asked together.
-    pub(crate) fn given<Q: Contribute<L>>(&self, ends: &[Descent], ask: &mut Q, s: &mut Stream) -> Vec<Spectrum> {
-        let alive = || ends.iter().filter(|end| !end.dead);
-        let lights: Vec<L> = alive().map(|end| *self.light(end.node)).collect();
-        let mut values = vec![Spectrum::BLACK; lights.len()];
-        ask.contributions(&lights, &mut values, s);
-        let mut values = values.into_iter();
-        let value = |end: &Descent| if end.dead { None } else { values.next() };
-        ends.iter().map(value).map(Option::unwrap_or_default).collect()
     }
     /// The child of an inner node in which a light lies that lies in that node. Lights are told by their places among the leaves.
     pub(crate) fn side(&self, child: u32, place: u32) -> bool {
