@@ -205,7 +205,8 @@ fn mixed<L: Lanes>(l: L, u: L::F, v: L::F, w: L::F, zero: L::F) -> u32 {
     l.bits(l.and(l.lt(least, zero), l.lt(zero, most)))
 }
 
-/// The test of `ShearedRay::intersect`, operation by operation, on eight triangles: hits in (0, limit], limit included.
+/// The test of `ShearedRay::intersect`, operation by operation, on eight triangles: hits in (0, limit], limit included, but for those
+/// that lie behind the ray in truth.
 #[inline(always)]
 pub(crate) fn block<L: Lanes>(l: L, block: &Block, ray: &Shear<L>, limit: L::F) -> Option<Found<L>> {
     let a = ray.corner(l, &block.corners[0]);
