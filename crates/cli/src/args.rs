@@ -231,6 +231,9 @@ pub struct Verify {
     /// Looks much harder: sees a quarter of the bias, and takes some sixty times as long
     #[arg(long)]
     pub thorough: bool,
+    /// Looks until a bias of so many percent of the whole image's mean would be seen, however long that takes
+    #[arg(long, value_name = "PERCENT", value_parser = percent, conflicts_with = "thorough")]
+    pub sees: Option<f64>,
     /// What all random numbers follow from
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
@@ -406,6 +409,13 @@ fn positive(s: &str) -> Result<f64, String> {
     match s.parse() {
         Ok(x) if x >= 0.0 && f64::is_finite(x) => Ok(x),
         _ => Err("expected a number that is not negative".into()),
+    }
+}
+
+fn percent(s: &str) -> Result<f64, String> {
+    match s.trim_end_matches('%').parse() {
+        Ok(x) if x > 0.0 && x < 100.0 => Ok(x),
+        _ => Err("expected a number of percent above 0, such as 0.5".into()),
     }
 }
 

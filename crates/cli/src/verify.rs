@@ -56,10 +56,11 @@ pub fn run(args: &Verify) -> Result<(), Failure> {
     if let (Some(_), [subject]) = (&args.method, &subjects[..]) {
         subject.somewhere(&places)?;
     }
-    let effort = match (args.thorough, args.compositions) {
-        (true, _) => Effort::THOROUGH,
+    let effort = match (args.sees, args.thorough, args.compositions) {
+        (Some(percent), ..) => Effort::seeing(percent / 100.0),
+        (_, true, _) => Effort::THOROUGH,
         // They are many, and their parts are looked at one by one elsewhere.
-        (_, true) => Effort { work: Effort::QUICK.work / 3, ..Effort::QUICK },
+        (_, _, true) => Effort { work: Effort::QUICK.work / 3, ..Effort::QUICK },
         _ => Effort::QUICK,
     };
     let verifier = Verifier::new(places, effort, args.seed);

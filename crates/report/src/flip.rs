@@ -21,7 +21,7 @@ pub enum Flip {
 /// The sentence of a build without FLIP.
 #[cfg(not(feature = "flip"))]
 pub(crate) fn flip(_: &ImageView, _: &ImageView, _: Option<f32>) -> Flip {
-    Flip::Absent("FLIP is not in this build: build with --features manylight-report/flip")
+    Flip::Absent("FLIP is not in this build: build with --features flip (needs a C++ compiler)")
 }
 
 /// LDR-FLIP version 1, 67 pixels per degree (a 0.7 m wide monitor of 3840 pixels from 0.7 m).
@@ -86,7 +86,7 @@ mod tests {
         let image = ImageView::new(1, 1, &[Spectrum::ONE]).unwrap();
         assert_eq!(
             flip(&image, &image, None),
-            Flip::Absent("FLIP is not in this build: build with --features manylight-report/flip")
+            Flip::Absent("FLIP is not in this build: build with --features flip (needs a C++ compiler)")
         );
     }
     #[cfg(feature = "flip")]
