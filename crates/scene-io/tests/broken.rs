@@ -104,7 +104,7 @@ fn each_mistake_has_its_place_and_says_what_to_do() {
         ("<bsdf type=\"conductor\"><string name=\"material\" value=\"Au\"/><float name=\"k\" value=\"1\"/></bsdf>", 2, 55, "give either `material` or `eta` and `k`", ""),
         ("<bsdf type=\"roughconductor\"><float name=\"alpha_u\" value=\"0.1\"/></bsdf>", 2, 13, "give `alpha`, or both `alpha_u` and `alpha_v`", ""),
         ("<bsdf type=\"roughplastic\"><string name=\"distribution\" value=\"phong\"/></bsdf>", 2, 62, "`distribution` must be `beckmann` or `ggx`, not `phong`", ""),
-        ("<bsdf type=\"principled\"><float name=\"eta\" value=\"1.3\"/><float name=\"specular\" value=\"0.5\"/></bsdf>", 2, 85, "give either `eta` or `specular`", ""),
+        ("<bsdf type=\"principled\"><float name=\"eta\" value=\"1.3\"/><float name=\"specular\" value=\"0.5\"/></bsdf>", 2, 86, "give either `eta` or `specular`", ""),
         ("<bsdf type=\"principled\"><float name=\"metallic\" value=\"1.5\"/></bsdf>", 2, 55, "`metallic` must lie between 0 and 1", ""),
         ("<bsdf type=\"principled\"><float name=\"metalic\" value=\"1\"/></bsdf>", 2, 25, "no property `metalic`", "did you mean `metallic`?"),
         ("<bsdf type=\"twosided\"><bsdf type=\"principled\"><float name=\"spec_trans\" value=\"1\"/></bsdf></bsdf>", 2, 23, "`twosided` cannot hold a `principled` with `spec_trans`", ""),
