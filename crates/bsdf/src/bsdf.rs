@@ -1,7 +1,9 @@
 //! The interface: one value that is any of the models.
 
 use crate::cone::Cone;
-use crate::{Conductor, Dielectric, Diffuse, Plastic, RoughConductor, RoughDielectric, RoughPlastic, ThinDielectric};
+use crate::{
+    Conductor, Dielectric, Diffuse, Plastic, Principled, RoughConductor, RoughDielectric, RoughPlastic, ThinDielectric,
+};
 use manylight_math::{Spectrum, Vec2, Vec3};
 
 /// What the path carries. Refraction squeezes radiance into another solid angle, and importance not: the two differ by
@@ -81,7 +83,7 @@ pub(crate) trait Model {
 
 /// How a point of a surface scatters: a model with its textures resolved.
 ///
-/// All models but the dielectrics are one-sided: they scatter for `wi.z > 0` only.
+/// All models but the dielectrics (and the principled one with transmission) are one-sided: they scatter for `wi.z > 0` only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
     /// Scatters nothing.
@@ -102,6 +104,8 @@ pub enum Bsdf {
     ThinDielectric(ThinDielectric),
     /// A rough interface between transparent media, on both sides.
     RoughDielectric(RoughDielectric),
+    /// Metal, glass, cloth and lacquer by a dozen numbers; on both sides if it transmits.
+    Principled(Principled),
 }
 
 macro_rules! from_models {
@@ -113,10 +117,20 @@ macro_rules! from_models {
         })*
     };
 }
-from_models!(Diffuse, Conductor, RoughConductor, Dielectric, Plastic, RoughPlastic, ThinDielectric, RoughDielectric);
+from_models!(
+    Diffuse,
+    Conductor,
+    RoughConductor,
+    Dielectric,
+    Plastic,
+    RoughPlastic,
+    ThinDielectric,
+    RoughDielectric,
+    Principled
+);
 
 // One is kept in every virtual light.
-const _: () = assert!(size_of::<Bsdf>() <= 64);
+const _: () = assert!(size_of::<Bsdf>() <= 48);
 
 /// `answer` of whichever model it is, `black` if it is none.
 macro_rules! ask {
@@ -131,6 +145,7 @@ macro_rules! ask {
             Bsdf::RoughPlastic($model) => $answer,
             Bsdf::ThinDielectric($model) => $answer,
             Bsdf::RoughDielectric($model) => $answer,
+            Bsdf::Principled($model) => $answer,
         }
     };
 }
@@ -144,7 +159,11 @@ impl Bsdf {
     }
     /// What radiance scatters over what importance does: (eta_i / eta_t)^2 where it is refracted, else 1.
     pub fn radiance_factor(&self, wi: Vec3, wo: Vec3) -> f32 {
-        if let Bsdf::RoughDielectric(m) = self { m.radiance_factor(wi, wo) } else { 1.0 }
+        match self {
+            Bsdf::RoughDielectric(m) => m.radiance_factor(wi, wo),
+            Bsdf::Principled(m) if m.transmits() => m.radiance_factor(wi, wo),
+            _ => 1.0,
+        }
     }
     /// Density with which [`Bsdf::sample`] draws `wo` from the non-delta lobes, the probability of choosing them included. [1/sr]
     pub fn pdf_sa(&self, wi: Vec3, wo: Vec3) -> f32 {
@@ -162,7 +181,11 @@ impl Bsdf {
     /// It scatters for `wi.z` > 0 only, and to `wo.z` > 0.
     #[inline]
     pub fn is_one_sided(&self) -> bool {
-        !matches!(self, Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::RoughDielectric(_))
+        match self {
+            Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::RoughDielectric(_) => false,
+            Bsdf::Principled(m) => !m.transmits(),
+            _ => true,
+        }
     }
     /// There are delta lobes, that only [`Bsdf::sample`] finds.
     pub fn has_delta(&self) -> bool {
@@ -176,8 +199,10 @@ impl Bsdf {
     /// Bound of the non-delta lobes, of radiance and of importance, over all `wo` of the cone around `axis`. A `cos_half` that was computed must have been
     /// rounded down: at exactly 1 the cone is one direction; at -1 it is the sphere.
     pub fn upper_bound(&self, wi: Vec3, axis: Vec3, cos_half: f32) -> Lobe {
-        if let Bsdf::RoughDielectric(m) = self {
-            return m.bound_of_both_sides(wi, axis, cos_half);
+        match self {
+            Bsdf::RoughDielectric(m) => return m.bound_of_both_sides(wi, axis, cos_half),
+            Bsdf::Principled(m) => return m.bound_of_both_sides(wi, axis, cos_half),
+            _ => {}
         }
         if !(wi.z > 0.0) {
             return Lobe::NONE;

@@ -31,6 +31,8 @@ pub(crate) struct ReflectionBound {
     /// Least and largest cosine of `wi` to the half vector.
     pub cos_half_min: f32,
     pub cos_half_max: f32,
+    /// Least squared slope of a half vector.
+    pub slope2_min: f32,
 }
 
 impl Microfacets {
@@ -39,7 +41,7 @@ impl Microfacets {
         let theta = wi.cross(cone.axis).length().atan2(wi.dot(cone.axis));
         let far = (theta + cone.half).min(PI);
         let near = (theta - cone.half).max(0.0);
-        let density = self.density_bound(wi, cone, near, far);
+        let (density, slope2_min) = self.density_bound(wi, cone, near, far);
 
         let alpha_min = self.alpha_u.min(self.alpha_v);
         let sin2 = 1.0 - cone.cos_max * cone.cos_max;
@@ -54,6 +56,7 @@ impl Microfacets {
             without_cosine: common * masking_over_cos,
             cos_half_min: (0.5 * far).cos().max(0.0),
             cos_half_max: (0.5 * near).cos().min(1.0),
+            slope2_min,
         }
     }
 
@@ -81,8 +84,8 @@ impl Microfacets {
         }
     }
 
-    /// Bound of the density of normals over the half vectors. `near` and `far`: angles from `wi` to the cone.
-    fn density_bound(&self, wi: Vec3, cone: &Cone, near: f32, far: f32) -> f32 {
+    /// Bound of the density of normals over the half vectors, and the least of their squared slopes. `near` and `far`: angles from `wi` to the cone.
+    fn density_bound(&self, wi: Vec3, cone: &Cone, near: f32, far: f32) -> (f32, f32) {
         // How angles of directions, and their rounding, grow in the half vector; without bound where it reaches -wi.
         let stretch = if far < PI { 0.5 / (0.5 * far).cos() } else { f32::INFINITY };
         let slack = Cone::SLACK * stretch;
@@ -127,6 +130,6 @@ impl Microfacets {
             Distribution::Ggx => 1.0 / (1.0 + stretched),
             Distribution::Beckmann => (-0.5 * stretched).exp(),
         };
-        normalisation * ((1.0 + slope2) * root).powi(2)
+        (normalisation * ((1.0 + slope2) * root).powi(2), slope2_min)
     }
 }

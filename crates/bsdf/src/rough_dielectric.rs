@@ -4,6 +4,7 @@ use crate::bsdf::{Bsdf, BsdfSample, Lobe, Mode, Model, Split};
 use crate::cone::Cone;
 use crate::fresnel;
 use crate::microfacet::{Distribution, Microfacets, mirror};
+use crate::principled::lattice_albedo;
 use manylight_math::{Spectrum, Vec2, Vec3};
 
 /// Microfacets of glass (Walter et al. 2007), which scatter to both sides: F D G / (4 cos cos) by reflection and
@@ -87,6 +88,22 @@ impl RoughDielectric {
             self.eta * self.eta
         }
     }
+    /// What is left of f cos / pdf, where facets are drawn as they are seen and by what they reflect: at grazing angles neither f
+    /// nor the density is known well.
+    fn weight(&self, wi: Vec3, wo: Vec3) -> f32 {
+        self.microfacets.reflection_weight(above(wi), above(wo))
+    }
+    /// Through the facet `h`, as if none ever reflected. `None` if the path stays on its side.
+    pub(crate) fn refract(&self, wi: Vec3, h: Vec3, mode: Mode) -> Option<BsdfSample> {
+        let cos = wi.dot(h);
+        let interface = fresnel::dielectric(cos, self.eta);
+        let cos_t = -interface.cos_t.copysign(cos);
+        let wo = ((h * cos - wi) / interface.eta + h * cos_t).normalize();
+        let pdf = if wo.z * wi.z < 0.0 { self.pdf_sa(wi, wo) } else { 0.0 };
+        let radiance = if mode == Mode::Radiance { self.radiance_factor(wi, wo) } else { 1.0 };
+        let weight = self.specular_transmittance * (self.weight(wi, wo) * radiance);
+        (pdf > 0.0).then(|| BsdfSample { eta: interface.eta, ..BsdfSample::smooth(wo, weight, pdf) })
+    }
     /// As [`Bsdf::upper_bound`](crate::Bsdf::upper_bound), from both sides and to both.
     pub(crate) fn bound_of_both_sides(&self, wi: Vec3, axis: Vec3, cos_half: f32) -> Lobe {
         if !(wi.z.abs() > 0.0) {
@@ -157,35 +174,16 @@ impl Model for RoughDielectric {
         let h = self.microfacets.sample_visible(wi * wi.z.signum(), u);
         let cos = wi.dot(h);
         let interface = fresnel::dielectric(cos, self.eta);
-        let (wo, eta) = if u_lobe < interface.reflected {
-            (mirror(wi, h), 1.0)
-        } else {
-            let cos_t = -interface.cos_t.copysign(cos);
-            (((h * cos - wi) / interface.eta + h * cos_t).normalize(), interface.eta)
-        };
-        if !(if eta == 1.0 { wo.z * wi.z > 0.0 } else { wo.z * wi.z < 0.0 }) {
-            return None;
+        if u_lobe >= interface.reflected {
+            return self.refract(wi, h, mode);
         }
-        let pdf = self.pdf_sa(wi, wo);
-        if !(pdf > 0.0) {
-            return None;
-        }
-        let radiance = if mode == Mode::Radiance { self.radiance_factor(wi, wo) } else { 1.0 };
-        let weight = self.eval(wi, wo) * (radiance * wo.z.abs() / pdf);
-        Some(BsdfSample { eta, ..BsdfSample::smooth(wo, weight, pdf) })
+        let wo = mirror(wi, h);
+        let pdf = if wo.z * wi.z > 0.0 { self.pdf_sa(wi, wo) } else { 0.0 };
+        (pdf > 0.0).then(|| BsdfSample::smooth(wo, self.specular_reflectance * self.weight(wi, wo), pdf))
     }
     /// The mean weight, of importance, of the 233 samples of a Fibonacci lattice: within 0.03.
     fn albedo(&self, wi: Vec3) -> Spectrum {
-        const N: usize = 233;
-        const STEPS: [usize; 2] = [144, 55];
-        let point = |i: usize| ((i % N) as f32 + 0.5) / N as f32;
-        (0..N)
-            .filter_map(|i| {
-                let u = Vec2::new(point(i), point(i * STEPS[0]));
-                self.sample(wi, Mode::Importance, point(i * STEPS[1]), u)
-            })
-            .map(|s| s.weight * (1.0 / N as f32))
-            .sum()
+        lattice_albedo(|u_lobe, u| self.sample(wi, Mode::Importance, u_lobe, u))
     }
     fn upper_bound(&self, wi: Vec3, cone: &Cone) -> Lobe {
         self.bound_of_both_sides(wi, cone.axis, cone.half.cos())

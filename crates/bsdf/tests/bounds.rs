@@ -20,13 +20,14 @@ fn distribution(s: &mut Stream) -> Distribution {
 fn any_model(s: &mut Stream) -> Bsdf {
     // A table costs milliseconds: few coats.
     const COATS: [(f32, f32); 4] = [(0.01, 1.5), (0.1, 1.3), (0.4, 2.0), (1.2, 1.5)];
-    match s.next_below(8) {
+    match s.next_below(11) {
         0 => Diffuse::new(colour(s)).into(),
         1 => Plastic::new(between(s, 0.5, 4.0), 1.0, colour(s), colour(s), s.next_f32() < 0.5).into(),
         2 | 3 => {
             let (alpha, eta) = COATS[s.next_below(4)];
             RoughPlastic::new(RoughTransmittance::of(distribution(s), alpha, eta), colour(s), colour(s), true).into()
         }
+        4..=6 => any_principled(s, false),
         _ => {
             let alpha_u = between(s, 1e-4, 3.0);
             let alpha_v = if s.next_f32() < 0.5 { alpha_u } else { between(s, 1e-4, 3.0) };

@@ -22,12 +22,13 @@ fn delta_energy(bsdf: &Bsdf, wi: Vec3) -> Spectrum {
 
 #[test]
 fn albedos_are_the_integrals_they_stand_for() {
-    let (mut worst, mut worst_of_plastic) = (0.0f32, 0.0f32);
+    let (mut worst, mut worst_of_plastic, mut worst_of_principled) = (0.0f32, 0.0f32, 0.0f32);
     for (name, bsdf) in smooth_models() {
         // Closed forms, tables, and the means of a few samples.
         let tolerance = match bsdf {
             Bsdf::Diffuse(_) | Bsdf::Plastic(_) => 1e-4,
             Bsdf::RoughPlastic(_) => 5e-4,
+            Bsdf::Principled(_) => 0.03,
             _ => 0.015,
         };
         for wi in views() {
@@ -35,12 +36,17 @@ fn albedos_are_the_integrals_they_stand_for() {
             let error = (truth - claim).0.abs().max_element();
             assert!(error < tolerance, "{name} from {wi}: {truth:?} {claim:?}");
             worst = worst.max(error);
+            if matches!(bsdf, Bsdf::Principled(_)) {
+                worst_of_principled = worst_of_principled.max(error);
+            }
             if matches!(bsdf, Bsdf::RoughPlastic(_)) {
                 worst_of_plastic = worst_of_plastic.max(error);
             }
         }
     }
-    println!("largest error of an albedo: {worst:.4}, of a rough plastic's: {worst_of_plastic:.4}");
+    println!(
+        "largest error of an albedo: {worst:.4}; rough plastic {worst_of_plastic:.4}, principled {worst_of_principled:.4}"
+    );
 }
 
 #[test]
@@ -59,7 +65,12 @@ fn nothing_reflects_more_than_it_gets() {
         for wi in views() {
             let total = integrated(&bsdf, wi) + delta_energy(&bsdf, wi);
             // The fit of the internal reflectance of a smooth coat, which we share with Mitsuba 3, makes 0.11 % of light.
-            let tolerance = if matches!(bsdf, Bsdf::Plastic(_)) { 1.2e-3 } else { 1e-3 };
+            let tolerance = match bsdf {
+                Bsdf::Plastic(_) => 1.2e-3,
+                // As published: its lobes are added, not shared out. (Values are Mitsuba's: see `mitsuba.rs`.)
+                Bsdf::Principled(_) => 0.6,
+                _ => 1e-3,
+            };
             assert!(total.largest() <= 1.0 + tolerance, "{name} from {wi}: {total:?}");
         }
     }

@@ -54,6 +54,28 @@ fn model(name: &str, parameters: &str) -> Bsdf {
             let coat = RoughTransmittance::of(distribution(word), p[0], p[1]);
             RoughPlastic::new(coat, DIFFUSE, SPECULAR, p[2] == 1.0).into()
         }
+        "principled" => {
+            let mut p = PrincipledParameters { base_color: DIFFUSE, ..Default::default() };
+            for (name, value) in parameters.split(' ').filter_map(|given| given.split_once('=')) {
+                let value: f32 = value.parse().unwrap();
+                match name {
+                    "roughness" => p.roughness = value,
+                    "anisotropic" => p.anisotropic = value,
+                    "metallic" => p.metallic = value,
+                    "spec_trans" => p.spec_trans = value,
+                    "eta" => p.eta = value,
+                    "specular" => p.eta = PrincipledParameters::eta_of_specular(value),
+                    "spec_tint" => p.spec_tint = value,
+                    "sheen" => p.sheen = value,
+                    "sheen_tint" => p.sheen_tint = value,
+                    "flatness" => p.flatness = value,
+                    "clearcoat" => p.clearcoat = value,
+                    "clearcoat_gloss" => p.clearcoat_gloss = value,
+                    _ => panic!("parameter {name}"),
+                }
+            }
+            Principled::new(&p).into()
+        }
         _ => panic!("model {name}"),
     }
 }
@@ -69,7 +91,8 @@ fn smooth_lobes_have_the_values_and_densities_of_mitsuba() {
         let bsdf = model(line[0], line[1]);
         let (wi, wo) = (vector(line[2]), vector(line[3]));
         let (theirs, their_pdf) = (vector(line[4]), numbers(line[5])[0]);
-        let ours = (bsdf.eval(wi, wo) * wo.z).0;
+        // `eval` is of importance, theirs of radiance.
+        let ours = (bsdf.eval(wi, wo) * (bsdf.radiance_factor(wi, wo) * wo.z.abs())).0;
         for channel in 0..3 {
             assert!(close(ours[channel], theirs[channel], 1e-4), "{line:?}: {ours}");
             if theirs[channel] > 1e-4 {

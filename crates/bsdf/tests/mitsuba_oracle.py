@@ -105,3 +105,38 @@ for int_ior in [1.3, 1.49, 1.9]:
             for alpha in [0.02, 0.1, 0.4, 0.9]:
                 rough = {"type": "roughplastic", "distribution": distribution, "alpha": alpha}
                 smooth("roughplastic", f"{distribution} {alpha} {parameters}", {**rough, **coat, **colours}, alpha, count=12)
+
+PRINCIPLED = [
+    {},
+    {"roughness": 0.2, "metallic": 1.0},
+    {"roughness": 0.3, "metallic": 0.6, "anisotropic": 0.8, "specular": 0.9},
+    {"roughness": 0.9, "sheen": 1.0, "sheen_tint": 0.7, "specular": 0.1},
+    {"roughness": 0.7, "flatness": 0.8, "spec_tint": 0.6},
+    {"roughness": 0.4, "clearcoat": 1.0, "clearcoat_gloss": 0.1},
+    {"roughness": 0.6, "clearcoat": 0.5, "clearcoat_gloss": 0.9},
+    {"roughness": 0.3, "eta": 0.8, "spec_tint": 0.5, "metallic": 0.3, "clearcoat": 0.7},
+    {"roughness": 0.35, "spec_trans": 1.0, "eta": 1.5},
+    {"roughness": 0.5, "spec_trans": 0.6, "metallic": 0.2, "specular": 0.7, "anisotropic": 0.4, "clearcoat": 0.3},
+    {"roughness": 0.6, "spec_trans": 0.4, "eta": 0.7, "sheen": 0.5, "flatness": 0.5, "spec_tint": 0.4},
+]
+for given in PRINCIPLED:
+    parameters = " ".join(f"{name}={value}" for name, value in given.items()) or "-"
+    bsdf = mi.load_dict({"type": "principled", "base_color": rgb(DIFFUSE), **given})
+    context = mi.BSDFContext()
+    for i in range(32):
+        wi = unit() if i > 0 else [0.0, 0.0, 1.0]
+        inside = "spec_trans" in given and i % 4 >= 2
+        if inside:
+            wi[2] = -wi[2]
+        # Where the model itself goes, every other time: each lobe in turn.
+        wo = unit()
+        if i % 2 == 0:
+            sample, _ = bsdf.sample(context, interaction(wi), (i * 0.381966) % 1, mi.Point2f(random.random(), random.random()))
+            if sample.pdf > 0:
+                wo = list(sample.wo)
+        elif "spec_trans" in given and i % 3 == 0:
+            wo[2] = -wo[2]
+        si = interaction(wi)
+        value = bsdf.eval(context, si, mi.Vector3f(*wo))
+        pdf = bsdf.pdf(context, si, mi.Vector3f(*wo))
+        print(" | ".join(["principled", parameters, numbers(wi), numbers(wo), numbers(value), numbers([pdf])]))

@@ -152,7 +152,7 @@ where
     }
 
     fn radiance(&self, scene: &Scene, p: &Self::Prepared, ray: &Ray, probe: &mut Probe, s: &mut Stream) -> Spectrum {
-        let (mut ray, mut beta, mut sum) = (*ray, Spectrum::ONE, Spectrum::BLACK);
+        let (mut ray, mut beta, mut sum, mut eta2) = (*ray, Spectrum::ONE, Spectrum::BLACK, 1.0);
         // The vertex at which the BSDF drew the ray, and its density; none for the camera's, and for delta lobes.
         let mut drawn: Option<(Vertex, f32)> = None;
         for edges in 1..=self.max_edges {
@@ -184,11 +184,13 @@ where
             }
             let Some(next) = x.sample(s.next_f32(), s.next_2d()) else { break };
             beta *= next.weight;
+            eta2 *= next.eta * next.eta;
             if beta.is_black() {
                 break;
             }
             if edges >= self.certain_edges {
-                let survival = beta.largest().min(0.95);
+                // Refraction divides radiance by the square of the index: that is no loss.
+                let survival = (beta.largest() * eta2).min(0.95);
                 if !(s.next_f32() < survival) {
                     break;
                 }

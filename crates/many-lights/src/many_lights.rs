@@ -70,7 +70,7 @@ where
         probe: &mut Probe,
         s: &mut Stream,
     ) -> Spectrum {
-        let (mut ray, mut throughput, mut sum) = (*ray, Spectrum::ONE, Spectrum::BLACK);
+        let (mut ray, mut throughput, mut sum, mut eta2) = (*ray, Spectrum::ONE, Spectrum::BLACK, 1.0);
         // A frame's compensation is for the first vertex that gathers: behind it, in the reflection of a smooth coat, points are
         // compensated one by one.
         let mut framed = true;
@@ -106,10 +106,13 @@ where
             let Some(next) = parts.step(s) else { break };
             emission = next.delta;
             throughput *= next.weight;
+            eta2 *= next.eta * next.eta;
             if throughput.is_black() {
                 break;
             }
-            let survival = if edges < CERTAIN_EDGES { 1.0 } else { throughput.largest().min(SURVIVAL) };
+            // Refraction divides radiance by the square of the index: that is no loss.
+            let lossless = throughput.largest() * eta2;
+            let survival = if edges < CERTAIN_EDGES { 1.0 } else { lossless.min(SURVIVAL) };
             if !(s.next_f32() < survival) {
                 break;
             }

@@ -47,6 +47,8 @@ impl Integrator for PathTracer {
 
     fn radiance(&self, scene: &Scene, _: &(), ray: &Ray, probe: &mut Probe, s: &mut Stream) -> Spectrum {
         let (mut ray, mut beta, mut sum, mut drawn) = (*ray, Spectrum::ONE, Spectrum::BLACK, Drawn::Alone);
+        // Square of the index around the path over that around the camera: what beta has been divided by.
+        let mut eta2 = 1.0;
         let counts = |edges: u32| edges >= self.min_edges;
         for edges in 1..=self.max_edges {
             if edges > 1 {
@@ -79,11 +81,12 @@ impl Integrator for PathTracer {
             }
             let Some(next) = x.sample(s.next_f32(), s.next_2d()) else { break };
             beta *= next.weight;
+            eta2 *= next.eta * next.eta;
             if beta.is_black() {
                 break;
             }
             if edges >= self.certain_edges {
-                let survival = beta.largest().min(0.95);
+                let survival = (beta.largest() * eta2).min(0.95);
                 if !(s.next_f32() < survival) {
                     break;
                 }

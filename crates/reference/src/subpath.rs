@@ -83,7 +83,7 @@ pub(crate) fn walk(
     probe: &mut Probe,
     s: &mut Stream,
 ) -> Option<(Vec3, Spectrum)> {
-    let start = beta;
+    let (start, mut eta2) = (beta, 1.0);
     while nodes.len() < most {
         let edges = nodes.len();
         probe.path_rays += 1;
@@ -99,12 +99,14 @@ pub(crate) fn walk(
         }
         let Some(next) = vertex.sample(s.next_f32(), s.next_2d()) else { break };
         beta *= next.weight;
+        eta2 *= next.eta * next.eta;
         if beta.is_black() || !beta.is_valid() {
             break;
         }
         if edges as u32 >= certain_edges {
             let survival = match mode {
-                Mode::Radiance => beta.largest(),
+                // Refraction divides radiance by the square of the index: that is no loss.
+                Mode::Radiance => beta.largest() * eta2,
                 Mode::Importance => beta.luminance() / start.luminance(),
             };
             let survival = survival.min(0.95);

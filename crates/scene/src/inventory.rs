@@ -113,6 +113,7 @@ impl Model {
             Model::RoughDielectric { .. } => "roughdielectric",
             Model::Plastic { .. } => "plastic",
             Model::RoughPlastic { .. } => "roughplastic",
+            Model::Principled(_) => "principled",
             Model::Roughened { model, .. } => return model.add_kinds(kinds),
             Model::Relief { relief, model, .. } => {
                 model.add_kinds(kinds);

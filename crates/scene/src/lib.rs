@@ -49,7 +49,7 @@ pub use manylight_geometry::{Occluders, Simd};
 pub use manylight_media::{
     Flight, Glow, Grid, HenyeyGreenstein, Heterogeneous, Homogeneous, Interpolation, Medium, MediumError, Volume,
 };
-pub use material::{Material, MaterialId, Model};
+pub use material::{Material, MaterialId, Model, PrincipledSources};
 pub use media::{Boundary, Run};
 pub use relief::Relief;
 pub use scene::{Scene, SceneBuilder, SceneError, Shape, ShapeId};

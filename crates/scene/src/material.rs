@@ -3,8 +3,8 @@
 use crate::relief::{Relief, Seen};
 use crate::{Source, Texture, TextureId};
 use manylight_bsdf::{
-    Bsdf, Conductor, Dielectric, Diffuse, Distribution, Plastic, RoughConductor, RoughDielectric, RoughPlastic,
-    RoughTransmittance, ThinDielectric,
+    Bsdf, Conductor, Dielectric, Diffuse, Distribution, Plastic, Principled, PrincipledParameters, RoughConductor,
+    RoughDielectric, RoughPlastic, RoughTransmittance, ThinDielectric,
 };
 use manylight_geometry::Surface;
 use manylight_math::{Frame, Spectrum, Vec2, Vec3};
@@ -106,6 +106,8 @@ pub enum Model {
         /// Does light scattered inside change colour?
         nonlinear: bool,
     },
+    /// Metal, glass, cloth and lacquer by a dozen numbers.
+    Principled(Box<PrincipledSources>),
     /// A model under a relief.
     Relief {
         /// What turns its shading frame.
@@ -133,6 +135,73 @@ pub enum Model {
         /// The two.
         models: Box<[Model; 2]>,
     },
+}
+
+/// What a [`Principled`] is made of ([`PrincipledParameters`]), before texture coordinates are known. Of all but the colour the
+/// luminance counts.
+#[derive(Clone, Debug)]
+#[allow(missing_docs)] // by the names of `PrincipledParameters`
+pub struct PrincipledSources {
+    pub base_color: Source,
+    pub roughness: Source,
+    pub anisotropic: Source,
+    pub metallic: Source,
+    pub spec_trans: Source,
+    pub eta: f32,
+    pub spec_tint: Source,
+    pub sheen: Source,
+    pub sheen_tint: Source,
+    pub flatness: Source,
+    pub clearcoat: Source,
+    pub clearcoat_gloss: Source,
+}
+
+impl PrincipledSources {
+    fn all(&self) -> [&Source; 11] {
+        [
+            &self.base_color,
+            &self.roughness,
+            &self.anisotropic,
+            &self.metallic,
+            &self.spec_trans,
+            &self.spec_tint,
+            &self.sheen,
+            &self.sheen_tint,
+            &self.flatness,
+            &self.clearcoat,
+            &self.clearcoat_gloss,
+        ]
+    }
+    fn at(&self, textures: &[Texture], uv: Vec2) -> Principled {
+        let number = |s: &Source| match s {
+            // Exactly, where the luminance of a gray is not.
+            Source::Constant(c) => c.mean(),
+            texture => texture.at(textures, uv).luminance(),
+        };
+        Principled::new(&PrincipledParameters {
+            base_color: self.base_color.at(textures, uv),
+            roughness: number(&self.roughness),
+            anisotropic: number(&self.anisotropic),
+            metallic: number(&self.metallic),
+            spec_trans: number(&self.spec_trans),
+            eta: self.eta,
+            spec_tint: number(&self.spec_tint),
+            sheen: number(&self.sheen),
+            sheen_tint: number(&self.sheen_tint),
+            flatness: number(&self.flatness),
+            clearcoat: number(&self.clearcoat),
+            clearcoat_gloss: number(&self.clearcoat_gloss),
+        })
+    }
+    /// Can any of it be glass?
+    pub fn transmits(&self) -> bool {
+        self.spec_trans != Source::Constant(Spectrum::BLACK)
+    }
+    /// Does a texture say how sharp its lobes are?
+    fn is_roughened(&self) -> bool {
+        let sharpness = [&self.roughness, &self.anisotropic, &self.clearcoat, &self.clearcoat_gloss];
+        sharpness.into_iter().any(|s| matches!(s, Source::Texture(_)))
+    }
 }
 
 /// A model at a point: what scatters there, in which frame.
@@ -183,8 +252,10 @@ impl Model {
     }
     /// Does light pass through?
     pub fn transmits(&self) -> bool {
-        let glass = |m: &&Model| {
-            matches!(m, Model::Dielectric { .. } | Model::ThinDielectric { .. } | Model::RoughDielectric { .. })
+        let glass = |m: &&Model| match m {
+            Model::Dielectric { .. } | Model::ThinDielectric { .. } | Model::RoughDielectric { .. } => true,
+            Model::Principled(p) => p.transmits(),
+            _ => false,
         };
         self.leaves().iter().any(glass)
     }
@@ -193,6 +264,7 @@ impl Model {
         match self {
             Model::Relief { model, .. } => model.is_roughened(),
             Model::Roughened { .. } => true,
+            Model::Principled(p) => p.is_roughened(),
             Model::Blend { models, .. } => models.iter().any(Model::is_roughened),
             _ => false,
         }
@@ -236,6 +308,7 @@ impl Model {
             Model::RoughPlastic { coat, diffuse, specular, nonlinear } => {
                 RoughPlastic::new(coat, at(diffuse), at(specular), *nonlinear).into()
             }
+            Model::Principled(p) => p.at(textures, uv).into(),
         }
     }
     /// With another roughness, if it has one.
@@ -264,6 +337,7 @@ impl Model {
             Model::Plastic { diffuse, specular, .. } | Model::RoughPlastic { diffuse, specular, .. } => {
                 of(&[diffuse, specular])
             }
+            Model::Principled(p) => of(&p.all()),
             Model::Relief { relief, model, .. } => [vec![relief.texture()], model.textures()].concat(),
             Model::Roughened { alpha_u, alpha_v, model } => [of(&[alpha_u, alpha_v]), model.textures()].concat(),
             Model::Blend { weight, models } => [of(&[weight]), models[0].textures(), models[1].textures()].concat(),

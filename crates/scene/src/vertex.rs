@@ -147,6 +147,9 @@ pub struct VertexSample {
     pub pdf: f32,
     /// Only drawing finds this direction.
     pub delta: bool,
+    /// Index of refraction of where the path goes over that of where it came from; 1 for what is not refracted. Radiance is divided by
+    /// its square, which the same path out of the glass gives back: roulette goes by the throughput without it.
+    pub eta: f32,
 }
 
 impl SurfacePoint {
@@ -287,11 +290,11 @@ impl Vertex {
                 let cosine = x.frame.n.dot(dir).abs();
                 let scale = x.arrival() * x.leaving(dir);
                 let correction = if cosine > 0.0 { scale * x.departure(dir) / cosine } else { 0.0 };
-                Some(VertexSample { dir, weight: s.weight * correction, pdf: s.pdf, delta: s.delta })
+                Some(VertexSample { dir, weight: s.weight * correction, pdf: s.pdf, delta: s.delta, eta: s.eta })
             }
             Scatter::Medium(x) => {
                 let dir = x.phase.sample(x.wi, u);
-                Some(VertexSample { dir, weight: x.scattering, pdf: x.phase.eval(x.wi, dir), delta: false })
+                Some(VertexSample { dir, weight: x.scattering, pdf: x.phase.eval(x.wi, dir), delta: false, eta: 1.0 })
             }
             Scatter::Emitter(_) => None,
         }

@@ -32,6 +32,38 @@ pub fn glass() -> Bsdf {
     Dielectric::new(1.5, 1.0, Spectrum::ONE, Spectrum::ONE).into()
 }
 
+/// The principled model with these changes to its defaults and a saturated base.
+pub fn principled(change: impl Fn(&mut PrincipledParameters)) -> Bsdf {
+    let mut p = PrincipledParameters { base_color: RED, ..Default::default() };
+    change(&mut p);
+    Principled::new(&p).into()
+}
+/// One-sided ones: each lobe, and all of them.
+pub fn principled_surfaces() -> Vec<(String, Bsdf)> {
+    let with =
+        |name: &str, change: &dyn Fn(&mut PrincipledParameters)| (format!("principled {name}"), principled(change));
+    vec![
+        with("default", &|_| {}),
+        with("metal", &|p| (p.metallic, p.roughness, p.anisotropic) = (1.0, 0.4, 0.7)),
+        with("cloth", &|p| (p.sheen, p.sheen_tint, p.roughness) = (1.0, 0.5, 1.0)),
+        with("skin", &|p| (p.flatness, p.spec_tint) = (1.0, 1.0)),
+        with("lacquer", &|p| (p.clearcoat, p.clearcoat_gloss, p.roughness) = (1.0, 0.2, 0.7)),
+        with("thinner than air", &|p| (p.eta, p.metallic, p.clearcoat, p.spec_tint) = (0.7, 0.5, 0.5, 0.5)),
+    ]
+}
+/// Those that light passes through: glass, and glass mixed with everything else.
+pub fn principled_glass() -> Vec<(String, Bsdf)> {
+    let with =
+        |name: &str, change: &dyn Fn(&mut PrincipledParameters)| (format!("principled {name}"), principled(change));
+    vec![
+        with("glass", &|p| (p.spec_trans, p.roughness) = (1.0, 0.6)),
+        with("thin glass", &|p| (p.spec_trans, p.roughness, p.anisotropic, p.eta) = (1.0, 0.7, 0.5, 1.0 / 1.4)),
+        with("mixture", &|p| {
+            (p.spec_trans, p.metallic, p.clearcoat, p.sheen, p.flatness) = (0.6, 0.3, 0.8, 0.5, 0.5);
+        }),
+    ]
+}
+
 /// Every model with a smooth lobe, at roughness from polished to matt.
 pub fn smooth_models() -> Vec<(String, Bsdf)> {
     use Distribution::*;
@@ -50,6 +82,7 @@ pub fn smooth_models() -> Vec<(String, Bsdf)> {
             models.push((name, rough_plastic(distribution, alpha, RED, BLUE)));
         }
     }
+    models.extend(principled_surfaces());
     models
 }
 
@@ -122,4 +155,26 @@ const GAUSS_5: [(f64, f64); 5] = [
 pub fn squares(n: usize) -> impl Iterator<Item = Vec2> {
     let mut s = stream(77);
     (0..n).map(move |_| s.next_2d())
+}
+
+/// With each parameter at an end or between; it may transmit.
+pub fn any_principled(s: &mut Stream, transmits: bool) -> Bsdf {
+    let mut part = || [0.0, 1.0, s.next_f32(), s.next_f32()][s.next_below(4)];
+    let mut p = PrincipledParameters {
+        base_color: Spectrum::rgb(part(), part(), part()),
+        roughness: part(),
+        anisotropic: part(),
+        metallic: part(),
+        spec_trans: 0.0,
+        eta: 1.5,
+        spec_tint: part(),
+        sheen: part(),
+        sheen_tint: part(),
+        flatness: part(),
+        clearcoat: part(),
+        clearcoat_gloss: part(),
+    };
+    p.spec_trans = if transmits { part() } else { 0.0 };
+    p.eta = 0.4 * 7.5f32.powf(s.next_f32());
+    Principled::new(&p).into()
 }

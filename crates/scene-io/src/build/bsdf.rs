@@ -12,7 +12,7 @@ use manylight_scene::{Material, MaterialId, Model, Relief, Source};
 /// More BSDFs than any blend has.
 const MOST_CHOICES: usize = 64;
 
-const BSDFS: [&str; 14] = [
+const BSDFS: [&str; 15] = [
     "diffuse",
     "conductor",
     "roughconductor",
@@ -21,6 +21,7 @@ const BSDFS: [&str; 14] = [
     "roughdielectric",
     "plastic",
     "roughplastic",
+    "principled",
     "twosided",
     "mask",
     "bumpmap",
@@ -28,8 +29,7 @@ const BSDFS: [&str; 14] = [
     "blendbsdf",
     "null",
 ];
-const MITSUBA: [&str; 11] = [
-    "principled",
+const MITSUBA: [&str; 10] = [
     "principledthin",
     "measured",
     "measured_polarized",
@@ -113,7 +113,7 @@ impl<'a> Builder<'a> {
                 self.report.error_help(q.object.at, "`null` cannot stand inside another BSDF here", help);
                 None
             }
-            _ => self.model(id).map(|model| Material::one_sided("", model)),
+            _ => self.model(id, inside).map(|model| Material::one_sided("", model)),
         }
     }
 
@@ -239,7 +239,7 @@ impl<'a> Builder<'a> {
         Model::Diffuse { reflectance: Self::gray(0.0) }
     }
 
-    fn model(&mut self, id: ObjectId) -> Option<Model> {
+    fn model(&mut self, id: ObjectId, inside: bool) -> Option<Model> {
         let q = self.query(id);
         let white = Range::Reflectance;
         let model = match q.object.plugin.as_str() {
@@ -307,12 +307,18 @@ impl<'a> Builder<'a> {
                 let coat = RoughTransmittance::of(distribution, alpha, eta);
                 Model::RoughPlastic { coat, diffuse, specular, nonlinear: q.boolean("nonlinear", false) }
             }
+            "principled" => self.principled(&q),
             _ => {
                 refuse_plugin(q.object, &BSDFS, &MITSUBA, self.report);
                 return None;
             }
         };
         q.finish();
+        if inside && model.transmits() {
+            let at = self.document.object(id).at;
+            self.report.error(at, "`twosided` cannot hold a `principled` with `spec_trans`: it lets light through");
+            return None;
+        }
         Some(model)
     }
 

@@ -4,6 +4,7 @@ mod bsdf;
 mod emission;
 mod emitter;
 mod medium;
+mod principled;
 mod sensor;
 mod shape;
 mod texture;
