@@ -89,9 +89,25 @@ pub struct Render {
     /// Writes what was done and counted as JSON
     #[arg(long, value_name = "OUT.json")]
     pub stats: Option<PathBuf>,
+    /// Renders frames A to B, each for --time or --passes and with --seed plus its number, into an image each (OUT-A.exr, or the
+    /// number where -o says $frame) and an animated PNG of them all. $frame is the number in values of -D, too; where none
+    /// says so, the scene's parameter `frame` is it. 001..048 writes it with three digits
+    #[arg(long, value_name = "A..B", value_parser = frames)]
+    pub frames: Option<Frames>,
     /// Prints warnings and errors only
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// Numbers of frames, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frames {
+    /// The first.
+    pub first: u32,
+    /// The last; not before the first.
+    pub last: u32,
+    /// Digits that numbers are filled up to with zeros.
+    pub digits: usize,
 }
 
 /// Writes where a method puts its virtual point lights, as a PLY file.
@@ -319,6 +335,15 @@ fn exr_path(s: &str) -> Result<PathBuf, String> {
         Some(extension) if extension.eq_ignore_ascii_case("exr") => Ok(path),
         _ => Err("the name must end in .exr (a PNG is written beside it)".into()),
     }
+}
+
+fn frames(s: &str) -> Result<Frames, String> {
+    let wrong = || "expected two whole numbers, the smaller one first, such as 1..48".to_string();
+    let (first, last) = s.split_once("..").ok_or_else(wrong)?;
+    // As it is written: 001 has three digits, 1 has one.
+    let digits = if first.starts_with('0') { first.len() } else { 1 };
+    let (first, last): (u32, u32) = (first.parse().map_err(|_| wrong())?, last.parse().map_err(|_| wrong())?);
+    if first <= last { Ok(Frames { first, last, digits }) } else { Err(wrong()) }
 }
 
 fn pixel(s: &str) -> Result<(u32, u32), String> {

@@ -347,3 +347,39 @@ fn lights_writes_where_they_are() {
     is_refused(&here, "lights lamp.xml -o c.obj", ".ply");
     is_refused(&here, "lights lamp.xml -P pathes=3 -o c.ply", "paths");
 }
+
+#[test]
+fn frames_are_the_renders_of_their_numbers_and_an_animation() {
+    let here = workplace();
+    let common = "--passes 2 -P paths=16 --exposure 0";
+    let (out, _) = ends_with(
+        0,
+        &here,
+        &format!("render lamp.xml -o a.exr --frames 8..10 --seed 5 -D albedo=0.$frame --stats s-$frame.json {common}"),
+    );
+    let names = ["08", "09", "10"].map(|n| [format!("a-{n}.exr"), format!("a-{n}.png")]).concat();
+    let stats = ["08", "09", "10"].map(|n| format!("s-{n}.json"));
+    let mut all: Vec<String> =
+        names.into_iter().chain(stats).chain(["a-animation.png".into(), "lamp.xml".into()]).collect();
+    all.sort();
+    assert_eq!(files(&here), all);
+    assert!(out.contains("pixels change by") && out.contains("flicker by"), "{out}");
+
+    ends_with(0, &here, &format!("render lamp.xml -o b.exr --seed 14 -D albedo=0.9 {common}"));
+    let pixels = |name: &str| read_exr(&here.path().join(name)).unwrap().image;
+    assert_eq!(pixels("a-09.exr"), pixels("b.exr"));
+    assert_ne!(pixels("a-08.exr"), pixels("b.exr"));
+}
+#[test]
+fn frames_fill_the_scenes_parameter_and_say_if_there_is_none() {
+    let here = workplace();
+    let turning =
+        SCENE.replace(r#"name="albedo" value="0.5""#, r#"name="frame" value="0""#).replace("$albedo", "0.$frame");
+    fs::write(here.path().join("turning.xml"), turning).unwrap();
+    ends_with(0, &here, "render turning.xml -o f.exr --frames 01..02 --passes 1 -P paths=4 -q");
+    assert!(files(&here).contains(&"f-02.exr".to_string()), "{:?}", files(&here));
+    is_refused(&here, "render lamp.xml --frames 1..2 --passes 1", "`frame`");
+    for range in ["2..1", "1", "a..b", "-1..2", "1..99999999999"] {
+        is_refused(&here, &format!("render turning.xml --frames={range}"), "such as 1..48");
+    }
+}

@@ -21,6 +21,7 @@ mod flip;
 mod halves;
 mod page;
 mod plot;
+mod steadiness;
 mod study;
 mod view;
 
@@ -32,5 +33,6 @@ pub use flip::Flip;
 pub use halves::{HalvesError, compare_halves};
 pub use page::Picture;
 pub use plot::Axis;
+pub use steadiness::{Sequence, Steadiness};
 pub use study::{COLUMNS, Column, Cost, Duel, Estimate, Noise, Row, Study, Subject, Summary, Verdict, separate};
 pub use view::ImageView;

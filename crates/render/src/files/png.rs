@@ -33,17 +33,26 @@ impl Exposure {
 /// white and below black is clipped; a pixel that is not a number is black.
 pub fn write_png(path: &Path, image: &Image, exposure: Exposure) -> Result<f32, RenderError> {
     let ev = exposure.ev(image);
-    let scale = ev.exp2();
-    let bytes: Vec<u8> = image.pixels.iter().flat_map(|p| (*p * scale).to_array().map(srgb_byte)).collect();
-    let too_large = |_| RenderError::write(path, io::Error::other("the image is too large for a PNG"));
-    let (width, height) =
-        (u32::try_from(image.width).map_err(too_large)?, u32::try_from(image.height).map_err(too_large)?);
+    let bytes = srgb_bytes(image, ev);
+    let (width, height) = size(path, (image.width, image.height))?;
     let mut file = Vec::new();
     PngEncoder::new(&mut file)
         .write_image(&bytes, width, height, ExtendedColorType::Rgb8)
         .map_err(|e| RenderError::write(path, io::Error::other(e)))?;
     write_atomically(path, &file)?;
     Ok(ev)
+}
+
+/// Three bytes a pixel.
+pub(super) fn srgb_bytes(image: &Image, ev: f32) -> Vec<u8> {
+    let scale = ev.exp2();
+    image.pixels.iter().flat_map(|p| (*p * scale).to_array().map(srgb_byte)).collect()
+}
+
+/// Width and height, if a PNG can have them.
+pub(super) fn size(path: &Path, (width, height): (usize, usize)) -> Result<(u32, u32), RenderError> {
+    let too_large = |_| RenderError::write(path, io::Error::other("the image is too large for a PNG"));
+    Ok((u32::try_from(width).map_err(too_large)?, u32::try_from(height).map_err(too_large)?))
 }
 
 fn automatic_ev(image: &Image) -> f32 {

@@ -1,22 +1,47 @@
 //! `manylight render`.
 
+mod frames;
+
 use crate::args::{DEFAULT_TIME, Render};
 use crate::failure::Failure;
 use crate::output::say;
 use crate::progress::Report;
 use crate::{interrupt, units};
+use manylight_framework::Image;
 use manylight_recipes::Recipe;
 use manylight_render::files::{self, Picture};
 use manylight_render::{Budget, RenderError, Rendering, Settings, Stats, Subject};
 use manylight_scene::Scene;
 use manylight_scene_io::{LoadOptions, Loaded};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// Renders a scene, and writes the image, the PNG beside it and the statistics.
+/// Renders a scene, or frames of it, and writes images, PNGs beside them and statistics.
 pub fn run(args: &Render) -> Result<(), Failure> {
-    let target = Target::new(args)?;
     let cancel = interrupt::flag()?;
+    match args.frames {
+        Some(frames) => frames::run(args, frames, &cancel),
+        None => match image(args, &cancel)? {
+            Rendered { whole: true, .. } => Ok(()),
+            _ => Err(Failure::Interrupted),
+        },
+    }
+}
+
+/// An image that is rendered and written.
+struct Rendered {
+    image: Image,
+    /// Exposure value of its PNG.
+    ev: f32,
+    /// It was not interrupted.
+    whole: bool,
+}
+
+/// Renders a scene, and writes the image, the PNG beside it and the statistics.
+fn image(args: &Render, cancel: &Arc<AtomicBool>) -> Result<Rendered, Failure> {
+    let target = Target::new(args)?;
     let start = Instant::now();
     let Loaded { mut scene, warnings, files } = load(args)?;
     scene.set_simd(args.simd);
@@ -35,7 +60,7 @@ pub fn run(args: &Render) -> Result<(), Failure> {
         announce(args, &recipe, &scene, settings.budget);
     }
     let mut report = Report::new(settings.budget, args.quiet);
-    let rendering = match manylight_render::render(&scene, &*recipe.method, &settings, &mut report, &cancel) {
+    let rendering = match manylight_render::render(&scene, &*recipe.method, &settings, &mut report, cancel) {
         Err(RenderError::Interrupted) => return Err(Failure::InterruptedEarly),
         result => result?,
     };
@@ -56,7 +81,7 @@ pub fn run(args: &Render) -> Result<(), Failure> {
     if !args.quiet {
         summarise(&target, &rendering, &stats, ev);
     }
-    if rendering.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+    Ok(Rendered { image: rendering.image, ev, whole: !rendering.interrupted })
 }
 
 fn budget(args: &Render) -> Budget {
