@@ -216,6 +216,12 @@ pub struct Verify {
     /// Verifies compositions of parts (`many-lights`): a few in which every pair of parts stands, or all with --thorough
     #[arg(long, conflicts_with_all = ["method", "all"])]
     pub compositions: bool,
+    /// Puts methods through scenes that are built to break things: tiny, huge, coincident, touching, grazing, sharp, dense, ..
+    #[arg(long, conflicts_with_all = ["compositions", "scene"])]
+    pub stability: bool,
+    /// Writes the table of --stability as CSV, or as JSON if the name ends so
+    #[arg(long, value_name = "FILE", requires = "stability", value_parser = table_path)]
+    pub table: Option<PathBuf>,
     /// Sets a parameter of the method (may be repeated)
     #[arg(short = 'P', value_name = "key=value", value_parser = key_value, requires = "method")]
     pub parameters: Vec<(String, String)>,
@@ -318,6 +324,14 @@ fn exr_path(s: &str) -> Result<PathBuf, String> {
     match path.extension() {
         Some(extension) if extension.eq_ignore_ascii_case("exr") => Ok(path),
         _ => Err("the name must end in .exr (a PNG is written beside it)".into()),
+    }
+}
+
+fn table_path(s: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(s);
+    match path.extension() {
+        Some(extension) if extension == "csv" || extension == "json" => Ok(path),
+        _ => Err("the name must end in .csv or .json".into()),
     }
 }
 
