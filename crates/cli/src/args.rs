@@ -232,6 +232,12 @@ pub struct Verify {
     /// Verifies compositions of parts (`many-lights`): a few in which every pair of parts stands, or all with --thorough
     #[arg(long, conflicts_with_all = ["method", "all"])]
     pub compositions: bool,
+    /// Puts methods through scenes that are built to break things: tiny, huge, coincident, touching, grazing, sharp, dense, ..
+    #[arg(long, conflicts_with_all = ["compositions", "scene"])]
+    pub stability: bool,
+    /// Writes the table of --stability as CSV, or as JSON if the name ends so
+    #[arg(long, value_name = "FILE", requires = "stability", value_parser = table_path)]
+    pub table: Option<PathBuf>,
     /// Sets a parameter of the method (may be repeated)
     #[arg(short = 'P', value_name = "key=value", value_parser = key_value, requires = "method")]
     pub parameters: Vec<(String, String)>,
@@ -344,6 +350,14 @@ fn frames(s: &str) -> Result<Frames, String> {
     let digits = if first.starts_with('0') { first.len() } else { 1 };
     let (first, last): (u32, u32) = (first.parse().map_err(|_| wrong())?, last.parse().map_err(|_| wrong())?);
     if first <= last { Ok(Frames { first, last, digits }) } else { Err(wrong()) }
+}
+
+fn table_path(s: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(s);
+    match path.extension() {
+        Some(extension) if extension == "csv" || extension == "json" => Ok(path),
+        _ => Err("the name must end in .csv or .json".into()),
+    }
 }
 
 fn pixel(s: &str) -> Result<(u32, u32), String> {

@@ -10,6 +10,15 @@ pub trait Receiver: Sync {
     /// Largest channel of what it scatters from anywhere in a box, never below the truth; a span's is integrated over its
     /// length. [1/sr]
     fn lobe(&self, towards: &Aabb) -> Lobe;
+    /// The same towards a box of directions, for light from infinity: as a box so far away that neither where in its extent the receiver
+    /// is, nor how long a metre is, make a difference.
+    fn lobe_to_infinity(&self, directions: &Aabb) -> Lobe {
+        let extent = self.extent();
+        let size = extent.lo.abs().max(extent.hi.abs()).max_element();
+        let far = if size > 0.0 { 1024.0 * size } else { 1.0 };
+        let pad = Vec3::splat(1e-6 * far);
+        self.lobe(&Aabb { lo: extent.lo + directions.lo * far - pad, hi: extent.hi + directions.hi * far + pad })
+    }
     /// Largest channel of eval towards one point: a guess, good enough for a probability. [1/sr]
     fn guess(&self, towards: Vec3) -> f32;
 }

@@ -2,7 +2,7 @@
 
 use crate::{Lamp, LampCluster};
 use manylight_framework::{Claim, Connection, Kernel, Pair, Promise, Reach, Reaches, Receiver};
-use manylight_math::{Aabb, Vec3};
+use manylight_math::Vec3;
 use manylight_sampling::Stream;
 use manylight_scene::{Edge, EmitterPoint, EmitterSample, Scatter, Scene, Vertex};
 
@@ -75,9 +75,7 @@ impl<R: Receiver> Reaches<R, LampCluster> for LampKernel {
             return of(1.0, (0.0, f32::MAX), 1.0, 0.0);
         }
         if c.is_distant() {
-            let pad = Vec3::splat(1e-6) * (1.0 + extent.lo.abs().max(extent.hi.abs()));
-            let seen = Aabb { lo: extent.lo + c.bounds.lo - pad, hi: extent.hi + c.bounds.hi + pad };
-            return of(r.lobe(&seen).with_cosine, (1.0, 1.0), 1.0, 0.0);
+            return of(r.lobe_to_infinity(&c.bounds).with_cosine, (1.0, 1.0), 1.0, 0.0);
         }
         let (near2, far2) = extent.distances2(&c.bounds);
         let to = extent.minus(&c.bounds);

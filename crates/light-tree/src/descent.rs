@@ -17,7 +17,7 @@ pub(crate) struct Descent {
 }
 
 /// Below one.
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+pub(crate) const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 impl Descent {
     /// At its beginning; `u` in [0, 1).
@@ -73,7 +73,7 @@ pub(crate) fn probability<L: Clustered>(
 }
 
 /// Probabilities of two children with weights x and y; each divided by its own, since 1 - p has no digits left near 1.
-fn share(x: f64, y: f64) -> Option<[f64; 2]> {
+pub(crate) fn odds(x: f64, y: f64) -> Option<[f64; 2]> {
     let sum = x + y;
     (sum > 0.0).then(|| [x / sum, y / sum])
 }
@@ -88,8 +88,8 @@ fn share(x: f64, y: f64) -> Option<[f64; 2]> {
 pub(crate) fn min_max(a: &Reach, b: &Reach) -> Option<[f64; 2]> {
     let g = |r: &Reach| r.facing_max as f64 * r.intensity as f64;
     let (x, y) = (g(a), g(b));
-    let own = share(x, y)?;
-    let form = |a2: f32, b2: f32| share(x * b2 as f64, y * a2 as f64).unwrap_or(own);
+    let own = odds(x, y)?;
+    let form = |a2: f32, b2: f32| odds(x * b2 as f64, y * a2 as f64).unwrap_or(own);
     let (near, far) = (form(a.near2, b.near2), form(a.far2, b.far2));
     Some([0.5 * (near[0] + far[0]), 0.5 * (near[1] + far[1])])
 }
@@ -97,16 +97,12 @@ pub(crate) fn min_max(a: &Reach, b: &Reach) -> Option<[f64; 2]> {
 /// Squared distance of what lies at the receiver itself: no quotient of singles by it is infinite in double precision. [m^2]
 const LEAST2: f64 = 1e-60;
 
-/// Probabilities by one importance each: intensity x facing / distance to the centre squared, from below clamped at half the
-/// radius of the box (Conty Estevez and Kulla 2018). `None`: nothing in either can contribute.
+/// What a node is drawn by: intensity x facing / distance to the centre squared, from below clamped at half the radius of the box
+/// (Conty Estevez and Kulla 2018).
 ///
 /// Where the guess of the facing is far below the largest facing it may be wrong: then a tenth of that.
-pub(crate) fn importance(a: &Reach, b: &Reach) -> Option<[f64; 2]> {
-    let of = |r: &Reach| {
-        let facing = r.facing_guess.max(0.1 * r.facing_max) as f64;
-        let d2 = (r.centre2 as f64).max(0.25 * r.radius2 as f64).max(LEAST2);
-        r.intensity as f64 * facing / d2
-    };
-    let (x, y) = (of(a), of(b));
-    share(x, y)
+pub(crate) fn importance(r: &Reach) -> f64 {
+    let facing = r.facing_guess.max(0.1 * r.facing_max) as f64;
+    let d2 = (r.centre2 as f64).max(0.25 * r.radius2 as f64).max(LEAST2);
+    r.intensity as f64 * facing / d2
 }

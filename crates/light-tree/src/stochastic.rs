@@ -39,8 +39,6 @@ impl Default for StochasticLightcuts {
 pub struct DescentLights<L: Clustered> {
     tree: LightTree<L>,
     plan: StochasticLightcuts,
-    /// Squared distance below which a node does not count as nearer. [m^2]
-    near2: f32,
 }
 
 impl Promise for StochasticLightcuts {
@@ -55,9 +53,7 @@ impl<L: Clustered> Plan<Vec<L>> for StochasticLightcuts {
     type Set = DescentLights<L>;
     fn build(&self, lights: Vec<L>, _: &dyn Occlusion, s: &mut Stream) -> Result<DescentLights<L>, BuildError> {
         let tree = LightTree::new(lights, self.growth, s)?;
-        let places = tree.lights().iter().map(L::position);
-        let spread = manylight_math::Aabb::around(places).radius();
-        Ok(DescentLights { tree, plan: *self, near2: (1e-3 * spread).powi(2).max(f32::MIN_POSITIVE) })
+        Ok(DescentLights { tree, plan: *self })
     }
 }
 
@@ -66,19 +62,26 @@ struct Open {
     node: u32,
     /// What its estimate may be off by; zero for a leaf, and where nothing can contribute.
     error: f32,
+    /// Squared distance below which nothing counts as nearer: of the size of all lights of its kind. None where there are several
+    /// kinds, and from infinity, which has no size. [m^2]
+    floor: f32,
 }
+
+/// Part of the size of all lights of a kind, squared.
+const NEAR2: f32 = 1e-6;
 
 impl<L: Clustered> DescentLights<L> {
     /// The tree.
     pub fn tree(&self) -> &LightTree<L> {
         &self.tree
     }
-    fn look<Q: ReachCluster<L::Cluster>>(&self, node: u32, ask: &Q) -> Open {
+    fn look<Q: ReachCluster<L::Cluster>>(&self, node: u32, floor: f32, ask: &Q) -> Open {
         if self.tree.children(node).is_none() {
-            return Open { node, error: 0.0 };
+            return Open { node, error: 0.0, floor };
         }
         let r = ask.reach(self.tree.cluster(node));
-        Open { node, error: r.intensity * r.facing_max / r.near2.max(self.near2) }
+        let floor = if floor > 0.0 { floor } else { NEAR2 * r.radius2 };
+        Open { node, error: r.intensity * r.facing_max / r.near2.max(floor).max(f32::MIN_POSITIVE), floor }
     }
     /// Probabilities with which a walk takes either child of a node; `None` where nothing below can contribute.
     pub fn odds<Q: ReachCluster<L::Cluster>>(&self, ask: &Q, children: [&L::Cluster; 2]) -> Option<[f64; 2]> {
@@ -96,15 +99,16 @@ impl<L: Clustered> DescentLights<L> {
         let size = self.plan.size.max(1) as usize;
         let mut cut = Vec::with_capacity(size);
         if size == 1 {
-            cut.push(Open { node: root, error: 0.0 });
+            cut.push(Open { node: root, error: 0.0, floor: 0.0 });
             return cut;
         }
-        cut.push(self.look(root, ask));
+        cut.push(self.look(root, 0.0, ask));
         while cut.len() < size {
             let Some(worst) = worst(&cut) else { break };
             let Some([a, b]) = self.tree.children(cut[worst].node) else { break };
-            cut[worst] = self.look(a, ask);
-            cut.push(self.look(b, ask));
+            let floor = cut[worst].floor;
+            cut[worst] = self.look(a, floor, ask);
+            cut.push(self.look(b, floor, ask));
         }
         cut
     }
@@ -165,7 +169,7 @@ impl<L: Clustered> DescentLights<L> {
     where
         Q: Contribute<L> + ReachCluster<L::Cluster>,
     {
-        let mut cut = vec![self.look(root, ask)];
+        let mut cut = vec![self.look(root, 0.0, ask)];
         let mut samples = vec![self.sample(root, ask, s)];
         let given = |x: &Sample| x.value.luminance() as f64 / x.end.probability;
         let mut total = given(&samples[0]);
@@ -182,9 +186,10 @@ impl<L: Clustered> DescentLights<L> {
             let taken = self.odds(ask, clusters).map_or(1.0, |odds| odds[right as usize]);
             let kept = Sample { end: Descent { probability: end.probability / taken, ..end }, value };
             let (keeper, other) = (children[right as usize], children[!right as usize]);
-            cut[worst] = self.look(keeper, ask);
+            let floor = cut[worst].floor;
+            cut[worst] = self.look(keeper, floor, ask);
             samples[worst] = kept;
-            cut.push(self.look(other, ask));
+            cut.push(self.look(other, floor, ask));
             samples.push(self.sample(other, ask, s));
             total += given(&kept) + samples.last().map_or(0.0, given);
         }

@@ -237,6 +237,10 @@ impl<L: Clustered> LightTree<L> {
     pub(crate) fn side(&self, child: u32, place: u32) -> bool {
         place >= self.nodes[child as usize + 1].first
     }
+    /// Place of a node's first leaf among the leaves, from left to right.
+    pub(crate) fn first(&self, node: u32) -> u32 {
+        self.nodes[node as usize].first
+    }
     /// Place of a leaf among the leaves, from left to right.
     pub(crate) fn place(&self, leaf: u32) -> u32 {
         self.nodes[leaf as usize].first

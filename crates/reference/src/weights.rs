@@ -76,7 +76,7 @@ impl Ways {
         let (mut sum, mut ratio) = (1.0, 1.0f64);
         for i in (0..s).rev() {
             // From i + 1 light vertices to i: z_i is made from the eye.
-            ratio *= self.backward[i] / self.forward[i];
+            ratio = known(ratio * (self.backward[i] / self.forward[i]));
             if self.possible(i) {
                 sum += ratio.powi(beta);
             }
@@ -84,13 +84,19 @@ impl Ways {
         ratio = 1.0;
         for i in s + 1..=n {
             // From i - 1 to i: z_{i-1} is made from the light.
-            ratio *= self.forward[i - 1] / self.backward[i - 1];
+            ratio = known(ratio * (self.forward[i - 1] / self.backward[i - 1]));
             if self.possible(i) {
                 sum += ratio.powi(beta);
             }
         }
         1.0 / sum
     }
+}
+
+/// A ratio of densities, or zero where it has no value: two vertices at one place (a light in the surface that it shines on) are made
+/// by a walk from the one to the other alone.
+fn known(ratio: f64) -> f64 {
+    if ratio.is_nan() { 0.0 } else { ratio }
 }
 
 #[cfg(test)]

@@ -19,6 +19,18 @@ pub enum Outcome {
     Skipped,
 }
 
+impl Outcome {
+    /// In a word or two.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Outcome::Holds { .. } => "holds",
+            Outcome::Fails => "FAILS",
+            Outcome::NoVerdict => "no verdict",
+            Outcome::Skipped => "skipped",
+        }
+    }
+}
+
 /// One check of a subject.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
@@ -56,13 +68,7 @@ impl Report {
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let word = match self.outcome {
-            Outcome::Holds { .. } => "holds",
-            Outcome::Fails => "FAILS",
-            Outcome::NoVerdict => "no verdict",
-            Outcome::Skipped => "skipped",
-        };
-        write!(f, "{word:<10} {:<8} {}: {}", self.place, self.check, self.detail)
+        write!(f, "{:<10} {:<8} {}: {}", self.outcome.word(), self.place, self.check, self.detail)
     }
 }
 

@@ -35,6 +35,7 @@ mod finding;
 mod ladder;
 mod measure;
 mod place;
+pub mod stability;
 mod subject;
 mod verifier;
 

@@ -1,7 +1,7 @@
 //! Passes as runs of block means, as many as it takes.
 
 use crate::subject::Built;
-use manylight_framework::{Film, Image, Method, Probe, Sequential};
+use manylight_framework::{Film, Image, Probe, Sequential};
 use manylight_scene::{FilterSampler, Scene};
 use manylight_stats::{Moments, Runs};
 use rayon::prelude::*;
@@ -49,21 +49,25 @@ pub(crate) fn measure(scene: &Scene, built: &Built, seed: u64, first: u64, effor
         let begin = first + rows.len() as u64;
         let more = FIRST.max(rows.len() as u64);
         let new: Result<Vec<(Vec<f64>, u64)>, String> =
-            (begin..begin + more).into_par_iter().map(|i| one(scene, &*built.method, built.spp, seed, i)).collect();
+            (begin..begin + more).into_par_iter().map(|i| one(scene, built, seed, i)).collect();
         for (row, cost) in new? {
             rows.push(row);
             work += cost;
         }
-        let mean: Moments = rows.iter().map(|r| r.iter().sum::<f64>() / r.len() as f64).collect();
-        let seen = mean.std_error() <= effort.target * mean.mean().abs();
-        if seen || 2 * work > effort.work || rows.len() as u64 >= MOST {
+        if seen(&rows, effort.target) || 2 * work > effort.work || rows.len() as u64 >= MOST {
             return Ok(Runs::new(joined(rows)).map_err(|e| e.to_string())?.with_mean());
         }
     }
 }
 
+/// Is the mean of all known that well?
+pub(crate) fn seen(rows: &[Vec<f64>], target: f64) -> bool {
+    let mean: Moments = rows.iter().map(|r| r.iter().sum::<f64>() / r.len() as f64).collect();
+    mean.std_error() <= target * mean.mean().abs()
+}
+
 /// Means of consecutive rows, so that there are [`RUNS`] at most.
-fn joined(rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+pub(crate) fn joined(rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let each = rows.len().div_ceil(RUNS);
     let mean = |group: &[Vec<f64>]| {
         (0..group[0].len()).map(|k| group.iter().map(|r| r[k]).sum::<f64>() / group.len() as f64).collect()
@@ -72,22 +76,37 @@ fn joined(rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     rows.chunks_exact(each).map(mean).collect()
 }
 
-/// Block means of a pass, and what it took.
-fn one(scene: &Scene, method: &dyn Method, spp: u32, seed: u64, pass: u64) -> Result<(Vec<f64>, u64), String> {
+/// What a pass took, and what was wrong with it.
+pub(crate) struct Passed {
+    /// In rays.
+    pub cost: u64,
+    pub non_finite: u64,
+    pub broken_paths: u64,
+}
+
+/// A pass.
+pub(crate) fn pass(scene: &Scene, built: &Built, seed: u64, pass: u64) -> Result<(Image, Passed), String> {
     let filter = FilterSampler::new(scene.filter());
-    let mut film = Film::new(*scene.camera(), &filter, seed, pass, spp, &Sequential);
+    let mut film = Film::new(*scene.camera(), &filter, seed, pass, built.spp, &Sequential);
     let mut probe = Probe::default();
-    method.pass(scene, &mut film, &mut probe).map_err(|e| format!("pass {pass}: {e}"))?;
-    match (probe.non_finite.count, probe.broken_paths) {
-        (0, 0) => Ok((blocks(&film.image), probe.rays() + probe.evaluations + PER_LIGHT * probe.lights)),
-        (0, n) => Err(format!("{n} light paths of pass {pass} (seed {seed}) had a flux that was not finite")),
-        (n, _) => Err(format!("{n} samples of pass {pass} (seed {seed}) were NaN, infinite or negative")),
+    built.method.pass(scene, &mut film, &mut probe).map_err(|e| format!("pass {pass}: {e}"))?;
+    let cost = probe.rays() + probe.evaluations + PER_LIGHT * probe.lights;
+    Ok((film.image, Passed { cost, non_finite: probe.non_finite.count, broken_paths: probe.broken_paths }))
+}
+
+/// Block means of a pass, and what it took.
+fn one(scene: &Scene, built: &Built, seed: u64, i: u64) -> Result<(Vec<f64>, u64), String> {
+    let (image, passed) = pass(scene, built, seed, i)?;
+    match (passed.non_finite, passed.broken_paths) {
+        (0, 0) => Ok((means(&image, GRID), passed.cost)),
+        (0, n) => Err(format!("{n} light paths of pass {i} (seed {seed}) had a flux that was not finite")),
+        (n, _) => Err(format!("{n} samples of pass {i} (seed {seed}) were NaN, infinite or negative")),
     }
 }
 
-/// Means over blocks of an image, three channels each.
-fn blocks(image: &Image) -> Vec<f64> {
-    let (grid_x, grid_y) = (GRID.min(image.width), GRID.min(image.height));
+/// Means over `grid` x `grid` blocks of an image, three channels each.
+pub(crate) fn means(image: &Image, grid: usize) -> Vec<f64> {
+    let (grid_x, grid_y) = (grid.min(image.width), grid.min(image.height));
     let mut sums = vec![0.0f64; grid_x * grid_y * 3];
     let mut counts = vec![0u32; grid_x * grid_y];
     for (i, p) in image.pixels.iter().enumerate() {

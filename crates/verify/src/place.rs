@@ -42,10 +42,6 @@ impl Place {
             Place { for_knobs: false, ..place("fog", include_str!("../scenes/fog.xml"))? },
         ])
     }
-    /// Longest path, in edges.
-    pub(crate) fn max_edges(&self) -> u32 {
-        self.scene.max_depth().unwrap_or(u32::MAX)
-    }
 }
 
 /// e (1 - a^k) / (1 - a).

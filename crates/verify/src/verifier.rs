@@ -7,6 +7,7 @@ use crate::subject::{Built, Knobs, Subject};
 use crate::{VerifyError, ladder};
 use manylight_framework::{Claim, KnobSet, PathClasses};
 use manylight_reference::{BidirectionalPathTracer, Combine, PathTracer};
+use manylight_scene::Scene;
 use manylight_stats::{Alternative, BlockTest, Outcome, Reference, Runs, Verdict};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -54,25 +55,31 @@ impl Verifier {
     /// Are the block means what the claim says of them?
     fn mean(&self, subject: &dyn Subject, at: usize, built: &Built, claim: &Claim) -> Result<Finding, VerifyError> {
         let place = &self.places[at];
-        let (check, alternative) = match self.promise(place, claim, subject.is_path_tracer()) {
-            Promise::Same => ("mean is the truth's", Alternative::Different),
-            Promise::Darker => ("nowhere too bright", Alternative::Greater),
-            Promise::Nothing(why) => {
-                // Still: no sample may be NaN.
-                let outcome =
-                    measure(&place.scene, built, self.seed, 0, Effort { work: self.effort.work / 8, ..self.effort });
-                return Ok(match outcome {
-                    Ok(_) => found(place, "mean", finding::Outcome::Skipped, why),
-                    Err(reason) => found(place, "finite", finding::Outcome::Fails, reason),
-                });
-            }
-        };
+        let (check, alternative) =
+            match promise(&place.scene, place.bounded_g, place.exact.is_some(), claim, subject.is_path_tracer()) {
+                Promise::Same => ("mean is the truth's", Alternative::Different),
+                Promise::Darker => ("nowhere too bright", Alternative::Greater),
+                Promise::Nothing(why) => {
+                    // Still: no sample may be NaN.
+                    let outcome = measure(
+                        &place.scene,
+                        built,
+                        self.seed,
+                        0,
+                        Effort { work: self.effort.work / 8, ..self.effort },
+                    );
+                    return Ok(match outcome {
+                        Ok(_) => found(place, "mean", finding::Outcome::Skipped, why),
+                        Err(reason) => found(place, "finite", finding::Outcome::Fails, reason),
+                    });
+                }
+            };
         let runs = match measure(&place.scene, built, self.seed, 0, self.effort) {
             Ok(runs) => runs,
             Err(reason) => return Ok(found(place, check, finding::Outcome::Fails, reason)),
         };
         let test = BlockTest { alpha: ALPHA / CHECKS, alternative, rounding: ROUNDING, ..BlockTest::default() };
-        let edges = edges(place, claim);
+        let edges = edges(&place.scene, claim);
         let verdict = match place.exact {
             Some(exact) => {
                 let all = exact(edges);
@@ -94,24 +101,6 @@ impl Verifier {
             }
         })
     }
-    fn promise(&self, place: &Place, claim: &Claim, of_path: bool) -> Promise {
-        let infinite = !claim.finite_variance && !place.bounded_g;
-        // Of what is missing, direct light alone can be told apart here.
-        let some_missing = !claim.misses.without(PathClasses::INDIRECT).is_empty()
-            || claim.misses.common(PathClasses::INDIRECT) == PathClasses::CAUSTICS;
-        match (claim.is_unbiased(), claim.brightens) {
-            _ if of_path && place.scene.has_media() && place.exact.is_none() => {
-                Promise::Nothing("it is the yardstick in media itself, and there is no other".into())
-            }
-            _ if infinite => {
-                Promise::Nothing("by its claim the variance is infinite here: no mean of passes says anything".into())
-            }
-            (true, _) if some_missing && place.scene.has_delta_lobes() => Promise::Darker,
-            (true, _) => Promise::Same,
-            (false, false) => Promise::Darker,
-            (false, true) => Promise::Nothing("its bias may have either sign, and is not bounded".into()),
-        }
-    }
     /// Does the bias go away along the knobs?
     fn vanishing(&self, subject: &dyn Subject, at: usize, claim: &Claim) -> Result<Finding, VerifyError> {
         let place = &self.places[at];
@@ -120,7 +109,7 @@ impl Verifier {
             let why = "by its claim the variance is infinite here".to_string();
             return Ok(found(place, &check, finding::Outcome::Skipped, why));
         }
-        let truth = self.truth(at, edges(place, claim), subject.is_path_tracer())?;
+        let truth = self.truth(at, edges(&place.scene, claim), subject.is_path_tracer())?;
         let mut ends = Vec::new();
         for end in [ladder::Rung::near(claim.vanishes_with), ladder::Rung::far(claim.vanishes_with)] {
             let knobs: &Knobs = &end.knobs;
@@ -169,20 +158,44 @@ impl Verifier {
     }
 }
 
-/// What a claim says of means in a place.
-enum Promise {
+/// What a claim says of means in a scene.
+pub(crate) enum Promise {
+    /// They are the truth's.
     Same,
+    /// They are nowhere above it.
     Darker,
+    /// Nothing, and why.
     Nothing(String),
 }
 
+/// What a claim says of means in a scene. `closed`: the truth is known in closed form.
+pub(crate) fn promise(scene: &Scene, bounded_g: bool, closed: bool, claim: &Claim, of_path: bool) -> Promise {
+    let infinite = !claim.finite_variance && !bounded_g;
+    // Of what is missing, direct light alone can be told apart here.
+    let some_missing = !claim.misses.without(PathClasses::INDIRECT).is_empty()
+        || claim.misses.common(PathClasses::INDIRECT) == PathClasses::CAUSTICS;
+    match (claim.is_unbiased(), claim.brightens) {
+        _ if of_path && scene.has_media() && !closed => {
+            Promise::Nothing("it is the yardstick in media itself, and there is no other".into())
+        }
+        _ if infinite => {
+            Promise::Nothing("by its claim the variance is infinite here: no mean of passes says anything".into())
+        }
+        (true, _) if some_missing && scene.has_delta_lobes() => Promise::Darker,
+        (true, _) => Promise::Same,
+        (false, false) => Promise::Darker,
+        (false, true) => Promise::Nothing("its bias may have either sign, and is not bounded".into()),
+    }
+}
+
 /// Longest path that counts: direct light alone if the method makes nothing else.
-fn edges(place: &Place, claim: &Claim) -> u32 {
-    if claim.misses.contains(PathClasses::INDIRECT) { place.max_edges().min(2) } else { place.max_edges() }
+pub(crate) fn edges(scene: &Scene, claim: &Claim) -> u32 {
+    let most = scene.max_depth().unwrap_or(u32::MAX);
+    if claim.misses.contains(PathClasses::INDIRECT) { most.min(2) } else { most }
 }
 
 /// A verdict in a line.
-fn words(v: &Verdict) -> String {
+pub(crate) fn words(v: &Verdict) -> String {
     if let Outcome::HeavyTail { block, top } = v.outcome {
         let share = 100.0 * top.share;
         return format!(

@@ -188,18 +188,12 @@ impl Clustered for Vpl {
     }
 }
 
-/// Positions that lie in the directions of a box of directions, from anywhere in `extent`.
-fn as_seen(extent: &Aabb, directions: &Aabb) -> Aabb {
-    let pad = Vec3::splat(1e-6) * (1.0 + extent.lo.abs().max(extent.hi.abs()));
-    Aabb { lo: extent.lo + directions.lo - pad, hi: extent.hi + directions.hi + pad }
-}
-
 impl<R: Receiver> Bounds<R, Cluster> for Points {
     fn upper_bound(&self, r: &R, c: &Cluster, cap: f32) -> f32 {
         let extent = r.extent();
         match c.extent() {
             Extent::Both => return f32::INFINITY,
-            Extent::Distant => return c.peak * r.lobe(&as_seen(&extent, &c.bounds)).with_cosine * ROUNDING,
+            Extent::Distant => return c.peak * r.lobe_to_infinity(&c.bounds).with_cosine * ROUNDING,
             Extent::Near => {}
         }
         let (near2, far2) = extent.distances2(&c.bounds);
@@ -231,7 +225,7 @@ impl<R: Receiver> Reaches<R, Cluster> for Points {
                     facing(cosine * lobe),
                 )
             }
-            Extent::Distant => ((1.0, 1.0), 1.0, 0.0, facing(r.lobe(&as_seen(&extent, &c.bounds)).with_cosine)),
+            Extent::Distant => ((1.0, 1.0), 1.0, 0.0, facing(r.lobe_to_infinity(&c.bounds).with_cosine)),
             // Only at the top of a tree: nothing is known.
             Extent::Both => ((0.0, f32::MAX), 1.0, 0.0, facing(1.0)),
         };

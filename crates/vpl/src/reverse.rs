@@ -78,7 +78,9 @@ impl Reverse<'_> {
     /// Weight (balance heuristic: Veach and Guibas 1995) of a walk's way from a source to x2 with density `forward`.
     pub fn forward_weight(&self, x2: &Vertex, forward: f32, source: usize, probe: &mut Probe, s: &mut Stream) -> f32 {
         let backward = self.backward(self.density(x2, probe, s), source);
-        (forward as f64 / (forward as f64 + backward)) as f32
+        let weight = (forward as f64 / (forward as f64 + backward)) as f32;
+        // Without a value where the source lies in the surface itself: no eye path finds that pair.
+        if weight.is_nan() { 1.0 } else { weight }
     }
     /// Draws x2, and a light there of what arrives from some of the sources. Of the directions that it arrives from one is kept,
     /// with a probability that goes with its light. Flux is that of all paths together.

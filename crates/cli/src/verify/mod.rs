@@ -1,5 +1,7 @@
 //! `manylight verify`.
 
+mod stability;
+
 use crate::args::Verify;
 use crate::failure::Failure;
 use crate::output::say;
@@ -9,7 +11,7 @@ use manylight_scene_io::{LoadOptions, load};
 use manylight_verify::{Built, Effort, Knobs, Outcome, Place, Report, Subject, Verifier};
 
 /// A method of the registry with parameters.
-struct Registered {
+pub struct Registered {
     info: &'static MethodInfo,
     parameters: Vec<(String, String)>,
 }
@@ -46,6 +48,13 @@ impl Subject for Registered {
 
 /// Verifies a method, or all of them.
 pub fn run(args: &Verify) -> Result<(), Failure> {
+    if args.stability {
+        let chosen = match &args.method {
+            Some(name) => Some(Registered { info: method(name)?, parameters: args.parameters.clone() }),
+            None => None,
+        };
+        return stability::run(args, chosen);
+    }
     let places = places(args)?;
     let subjects = match &args.method {
         Some(name) => vec![Registered { info: method(name)?, parameters: args.parameters.clone() }],
