@@ -168,7 +168,7 @@ fn lightcuts_are_off_by_less_than_their_certificate() {
     for kind in KINDS {
         let lights = lights(kind);
         for (_, bsdf) in bsdfs() {
-            for standing in [Standing::Pass, Standing::Receiver, Standing::Brightest] {
+            for standing in [Standing::Pass(1), Standing::Pass(4), Standing::Receiver, Standing::Brightest] {
                 for (k, error) in [0.5, 0.1, 0.02].into_iter().enumerate() {
                     let bound = [Bound::None, Bound::Geometry(0.5)][k % 2];
                     let plan = Lightcuts { error, standing, ..Lightcuts::default() };

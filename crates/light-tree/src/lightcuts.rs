@@ -13,8 +13,9 @@ use std::collections::BinaryHeap;
 /// Which light stands for a cluster, and for whom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing {
-    /// One drawn for the whole pass, as published: no noise within a pass, but errors that neighbouring receivers share.
-    Pass,
+    /// One drawn for the whole pass, as published: no noise within a pass, but errors that neighbouring receivers share. Of so many
+    /// draws each receiver goes by one, as if there were so many trees: the errors become noise, and go with the root of their number.
+    Pass(u32),
     /// One drawn by each receiver: as many trees as receivers. The same errors, as noise.
     Receiver,
     /// That of the brighter child: always the same for the same lights.
@@ -36,13 +37,15 @@ pub struct Lightcuts {
 
 impl Default for Lightcuts {
     fn default() -> Self {
-        Lightcuts { error: 0.02, most: 1000, standing: Standing::Pass, growth: Growth::default() }
+        Lightcuts { error: 0.02, most: 1000, standing: Standing::Pass(1), growth: Growth::default() }
     }
 }
 
 /// The tree of a pass.
 pub struct CutLights<L: Clustered> {
     tree: LightTree<L>,
+    /// The leaves that stand for nodes, in the draws after the tree's own.
+    more: Vec<Vec<u32>>,
     plan: Lightcuts,
 }
 
@@ -59,7 +62,12 @@ impl<L: Clustered> Plan<Vec<L>> for Lightcuts {
             Standing::Brightest => Representatives::Brightest,
             _ => Representatives::Drawn,
         };
-        Ok(CutLights { tree: LightTree::new(lights, Growth { representatives, ..self.growth }, s)?, plan: *self })
+        let tree = LightTree::new(lights, Growth { representatives, ..self.growth }, s)?;
+        let more = match self.standing {
+            Standing::Pass(draws) => (1..draws).map(|_| tree.represented(representatives, s.next_u64())).collect(),
+            _ => Vec::new(),
+        };
+        Ok(CutLights { tree, more, plan: *self })
     }
     /// A representative stands for lights of other depths, unless these are kept apart.
     fn merges(&self) -> bool {
@@ -99,7 +107,22 @@ impl<L: Clustered> CutLights<L> {
     pub fn tree(&self) -> &LightTree<L> {
         &self.tree
     }
-    fn open<Q>(&self, node: u32, known: Option<(u32, Spectrum)>, ask: &mut Q, s: &mut Stream) -> Open
+    /// The draw that a receiver goes by; none is the tree's own.
+    fn draw(&self, s: &mut Stream) -> Option<&[u32]> {
+        if self.more.is_empty() {
+            return None;
+        }
+        let draw = (s.next_f64() * (self.more.len() + 1) as f64) as usize;
+        self.more.get(draw).map(|leaves| &leaves[..])
+    }
+    fn open<Q>(
+        &self,
+        node: u32,
+        draw: Option<&[u32]>,
+        known: Option<(u32, Spectrum)>,
+        ask: &mut Q,
+        s: &mut Stream,
+    ) -> Open
     where
         Q: Contribute<L> + BoundCluster<L::Cluster>,
     {
@@ -112,7 +135,7 @@ impl<L: Clustered> CutLights<L> {
                     })
                     .node
                 }
-                _ => self.tree.representative(node),
+                _ => draw.map_or_else(|| self.tree.representative(node), |leaves| leaves[node as usize]),
             };
             (leaf, ask.contribution(self.tree.light(leaf), s) / self.tree.weight(leaf))
         });
@@ -134,12 +157,12 @@ where
         let mut heap = BinaryHeap::with_capacity(128);
         let mut total = 0.0f64;
         let luminance = |o: &Open| (o.value.luminance() * self.tree.weight(o.node)) as f64;
-        let (left, least) = (ask.edges_left(), ask.edges_least());
+        let (left, least, draw) = (ask.edges_left(), ask.edges_least(), self.draw(s));
         for group in self.tree.groups() {
             if group.edges.is_some_and(|e| e >= left || e < least) {
                 continue;
             }
-            let o = self.open(group.node, None, ask, s);
+            let o = self.open(group.node, draw, None, ask, s);
             total += luminance(&o);
             heap.push(o);
         }
@@ -153,7 +176,7 @@ where
             // The child that has its light keeps it: one new light a refinement, hence one shadow ray.
             let right = self.tree.side(a, self.tree.place(o.leaf));
             for (child, keeps) in [(a, !right), (b, right)] {
-                let o = self.open(child, keeps.then_some((o.leaf, o.value)), ask, s);
+                let o = self.open(child, draw, keeps.then_some((o.leaf, o.value)), ask, s);
                 total += luminance(&o);
                 heap.push(o);
             }

@@ -130,7 +130,8 @@ impl<L: Clustered> LightTree<L> {
         for (place, &light) in tree.lights_of_leaves.iter().enumerate() {
             tree.places[light as usize] = place as u32;
         }
-        tree.represent(growth.representatives, seed);
+        let leaves = tree.represented(growth.representatives, seed);
+        tree.nodes.iter_mut().zip(leaves).for_each(|(node, leaf)| node.representative = leaf);
         Ok(tree)
     }
     /// The top of the tree is a list: a group, and the rest.
@@ -170,26 +171,22 @@ impl<L: Clustered> LightTree<L> {
             self.nodes[node as usize].cluster = L::merge(&a, &b);
         }
     }
-    /// Children come after their parents, so that going backwards each finds its children's ready.
-    fn represent(&mut self, which: Representatives, seed: u64) {
-        let weight = |node: &Node<L::Cluster>| L::weight(&node.cluster);
+    /// The leaf that stands for each node. Children come after their parents, so that going backwards each finds its children's ready.
+    pub(crate) fn represented(&self, which: Representatives, seed: u64) -> Vec<u32> {
+        let mut leaves: Vec<u32> = (0..self.nodes.len() as u32).collect();
         for i in (0..self.nodes.len()).rev() {
-            let node = self.nodes[i];
-            self.nodes[i].representative = if node.child == 0 {
-                i as u32
-            } else {
-                let [a, b] = [node.child, node.child + 1].map(|c| &self.nodes[c as usize]);
-                let left = match which {
-                    Representatives::Drawn => {
-                        let (wa, wb) = (weight(a) as f64, weight(b) as f64);
-                        let u = Stream::new(seed, [i as u64, 0, 0], Purpose::BUILD).next_f64();
-                        u * (wa + wb) < wa
-                    }
-                    Representatives::Brightest => weight(a) >= weight(b),
-                };
-                if left { a.representative } else { b.representative }
+            let Some(children) = self.children(i as u32) else { continue };
+            let [wa, wb] = children.map(|c| self.weight(c) as f64);
+            let left = match which {
+                Representatives::Drawn => {
+                    let u = Stream::new(seed, [i as u64, 0, 0], Purpose::BUILD).next_f64();
+                    u * (wa + wb) < wa
+                }
+                Representatives::Brightest => wa >= wb,
             };
+            leaves[i] = leaves[children[!left as usize] as usize];
         }
+        leaves
     }
 
     /// The root; `None` if there is no light.

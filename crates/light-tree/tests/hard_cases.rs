@@ -112,7 +112,7 @@ fn lights_of_other_depths_are_left_out_where_they_are_kept_apart() {
     let lights: Vec<Lamp> =
         set_a(300).into_iter().enumerate().map(|(i, l)| Lamp { edges: (i % 5) as u32, ..l }).collect();
     for (allowed, together) in [((0, 3), (0, 2)), ((1, 5), (u32::MAX, 0)), ((2, 4), (2, 3))] {
-        for standing in [Standing::Pass, Standing::Receiver] {
+        for standing in [Standing::Pass(1), Standing::Pass(3), Standing::Receiver] {
             let growth = Growth { together, ..Growth::default() };
             let plan = Lightcuts { error: 1e-3, most: 5000, standing, growth };
             assert!(!Plan::<Vec<Lamp>>::merges(&plan));

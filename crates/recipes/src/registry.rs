@@ -313,6 +313,10 @@ mod tests {
             error("samples", "3"),
             "`samples` is read only with lights=power|light-bvh, and lights is `all`: leave it out, or say so"
         );
+        assert_eq!(
+            error("trees", "2"),
+            "`trees` is read only with lights=lightcuts, and lights is `all`: leave it out, or say so"
+        );
         assert!(
             error("generator", "keller+keller").contains("expected `keller` or ")
                 && error("generator", "keller+keller").contains("`, or several joined by `+`")

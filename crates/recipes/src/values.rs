@@ -37,14 +37,18 @@ impl Values {
             }
         }
         for param in method.params().filter(|p| values.is_given(p.name)) {
-            let Some((other, with)) = param.part_of else { continue };
-            if !with.iter().any(|w| values.has_term(other, w)) {
-                return Err(RecipeError::Contrary(format!(
-                    "`{}` is read only with {other}={}, and {other} is `{}`: leave it out, or say so",
-                    param.name,
-                    with.join("|"),
-                    values.text(other)
-                )));
+            // What another is part of may itself be part of a third.
+            let mut reader = Some(param);
+            while let Some((other, with)) = reader.and_then(|p| p.part_of) {
+                if !with.iter().any(|w| values.has_term(other, w)) {
+                    return Err(RecipeError::Contrary(format!(
+                        "`{}` is read only with {other}={}, and {other} is `{}`: leave it out, or say so",
+                        param.name,
+                        with.join("|"),
+                        values.text(other)
+                    )));
+                }
+                reader = method.params().find(|p| p.name == other);
             }
         }
         Ok(values)

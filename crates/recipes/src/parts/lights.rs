@@ -40,6 +40,14 @@ pub(crate) const PARAMS: &[Param] = &[
          or always the brightest",
     )
     .part_of("lights", &["lightcuts"]),
+    Param::new(
+        "trees",
+        Kind::Integer { min: 1, max: 1024 },
+        "1",
+        "trees of a pass, which differ in the lights that stand for clusters; each receiver asks one: several turn errors that \
+         neighbours share into noise",
+    )
+    .part_of("representatives", &["pass"]),
     Param::new("cut", Kind::Integer { min: 1, max: 4096 }, "10", "clusters of a cut at most, and so shadow rays")
         .part_of("lights", &["stochastic-lightcuts"]),
     Param::new(
@@ -78,7 +86,7 @@ where
             let standing = match v.text("representatives") {
                 "receiver" => Standing::Receiver,
                 "brightest" => Standing::Brightest,
-                _ => Standing::Pass,
+                _ => Standing::Pass(v.integer("trees")? as u32),
             };
             let (error, most) = (or_none("error", 0.0)?, v.integer("max-cut")? as u32);
             composed(v, scene, generator, Lightcuts { error, most, standing, growth }, kernel)
