@@ -89,7 +89,7 @@
 //! that differ in their light set alone have, for the same seed and pass, the same virtual lights and camera rays, and the same
 //! direct light where a path first asks for it: compare them pass by pass, and that noise cancels.
 //!
-//! `examples/05_your_own_light_set.rs` of the facade crate does all of this in one file.
+//! `examples/outside` is a crate outside the workspace that does all of this: a light and a light set of its own, verified.
 //!
 //! # What does not fit does not compile
 //!

@@ -1,4 +1,4 @@
-//! A light set of your own, in one file: resampled importance sampling of virtual point lights.
+//! A light set of your own: two types, and two traits.
 //!
 //! `all` traces a shadow ray to every light. Here each point draws K lights uniformly, keeps one of them in proportion to what
 //! it would give if nothing stood between, and traces one shadow ray (Talbot, Cline and Egbert 2005). With n lights, the
@@ -8,29 +8,18 @@
 //!
 //! whose expectation is the sum of the contributions c_i, for any K: the probability of keeping i is in proportion to t_i, which
 //! cancels. Only a light with t_i = 0 and c_i > 0 would be lost, and a shadow makes no light brighter.
-//!
-//! `cargo run --release -p manylight --example 05_your_own_light_set`
 
-use manylight::compensation::BoundPlan;
-use manylight::framework::{
-    BuildError, Claim, Compensation, Contribute, LightSet, Method, Occlusion, Plan, Promise, Unshadowed, VirtualLight,
+use manylight_framework::{
+    BuildError, Claim, Contribute, LightSet, Occlusion, Plan, Promise, Unshadowed, VirtualLight,
 };
-use manylight::light_list::All;
-use manylight::many_lights::ManyLights;
-use manylight::math::Spectrum;
-use manylight::render::{Budget, Progress, Rendering, Settings, render};
-use manylight::sampling::Stream;
-use manylight::scene::Scene;
-use manylight::scene_io::{LoadOptions, load};
-use manylight::stats::{Alternative, MeanTest, Moments, student_quantile};
-use manylight::vpl::{Emission, Keller, Points, Vpl};
-use std::sync::Arc;
+use manylight_math::Spectrum;
+use manylight_sampling::Stream;
 
 /// The plan: the algorithm's name and its knobs.
 #[derive(Clone, Copy, Debug)]
-struct Reservoir {
+pub struct Reservoir {
     /// K: lights drawn at each point. More of them cost no shadow rays and leave less noise.
-    candidates: u32,
+    pub candidates: u32,
 }
 
 impl Promise for Reservoir {
@@ -40,7 +29,7 @@ impl Promise for Reservoir {
 }
 
 /// The set: what the plan builds from the lights of one pass. A tree would be built here; this one just keeps them.
-struct Candidates<L> {
+pub struct Candidates<L> {
     lights: Vec<L>,
     candidates: u32,
 }
@@ -78,70 +67,13 @@ impl<L: VirtualLight, Q: Unshadowed<L> + Contribute<L>> LightSet<Q> for Candidat
     }
 }
 
-/// Keller's lights, the point kernel and a bound: everything but the light set.
-fn with<P: Plan<Vec<Vpl>>>(plan: P, max_edges: u32) -> ManyLights<Vec<Vpl>, P, Points, BoundPlan> {
-    ManyLights {
-        generator: Box::new(Keller {
-            paths: 256,
-            max_edges: Some(max_edges),
-            certain_edges: 1,
-            emission: Emission::Full,
-        }),
-        plan,
-        kernel: Points,
-        bounding: BoundPlan::AUTO,
-        compensation: Compensation::None,
-        max_edges,
-        min_edges: 1,
-        sharp: 0.0,
-    }
-}
-
-/// One pass. Lights and camera samples follow from the seed alone: two methods with one seed share them.
-fn one_pass(scene: &Scene, method: &dyn Method, seed: u64) -> Result<Rendering, Box<dyn std::error::Error>> {
-    let settings = Settings { budget: Budget::Passes(1), seed, spp: 1, threads: None };
-    Ok(render(scene, method, &settings, &mut |_: &Progress| {}, &Arc::default())?)
-}
-
-fn mean(r: &Rendering) -> f64 {
-    r.image.pixels.iter().map(|p| p.luminance() as f64).sum::<f64>() / r.image.pixels.len() as f64
-}
-
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/cornell-box/scene.xml");
-    let scene = load(file.as_ref(), &LoadOptions { size: Some((64, 64)), ..LoadOptions::default() })?.scene;
-    let (all, reservoir) = (with(All, 6), with(Reservoir { candidates: 16 }, 6));
-    println!("all: {}\nreservoir: {}", all.claim(), reservoir.claim());
-
-    // All pixels of a pass share its lights, so the pass is what is independent, and its mean is one number of the sample. The
-    // noise of the lights is the same in both images: it cancels in the difference, pass by pass.
-    let (mut of_all, mut of_reservoir, mut difference) = (Moments::default(), Moments::default(), Moments::default());
-    let mut shadow_rays = [0; 2];
-    for seed in 0..24 {
-        let (a, r) = (one_pass(&scene, &all, seed)?, one_pass(&scene, &reservoir, seed)?);
-        of_all.push(mean(&a));
-        of_reservoir.push(mean(&r));
-        difference.push(mean(&r) - mean(&a));
-        shadow_rays = [shadow_rays[0] + a.probe.shadow_rays, shadow_rays[1] + r.probe.shadow_rays];
-    }
-    for (name, m, rays) in [("all", of_all, shadow_rays[0]), ("reservoir", of_reservoir, shadow_rays[1])] {
-        println!("{name:9}: {:.5} +- {:.5}, {rays} shadow rays", m.mean(), m.std_error());
-    }
-
-    // Student's test that the differences have mean zero. It errs once in a hundred times where they have.
-    let test = MeanTest::one_sample(&difference, 0.0, Alternative::Different);
-    let within = student_quantile(0.995, test.degrees) * test.std_error;
-    let percent = 100.0 / of_all.mean();
-    println!("difference: {:.6} +- {:.6}, p = {:.2}", test.difference, test.std_error, test.p_value);
-    println!("that is, at 99 %, {:.3} % +- {:.3} % of the mean", test.difference * percent, within * percent);
-    assert!(test.p_value > 0.01, "the means differ by more than their noise: {test:?}");
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use manylight::sampling::Purpose;
+    use manylight_math::{Aabb, Vec3};
+    use manylight_sampling::Purpose;
+    use manylight_scene::Edge;
+    use manylight_stats::{Alternative, MeanTest, Moments};
 
     /// A light that gives `.0`, and `.1` of that through what stands between. A light set sees no more of any light.
     #[derive(Clone, Copy)]
@@ -168,11 +100,11 @@ mod tests {
     }
     struct Nothing;
     impl Occlusion for Nothing {
-        fn transmittance(&self, _: &manylight::scene::Edge, _: &mut Stream) -> Spectrum {
+        fn transmittance(&self, _: &Edge, _: &mut Stream) -> Spectrum {
             Spectrum::ONE
         }
-        fn extent(&self) -> manylight::math::Aabb {
-            manylight::math::Aabb::point(manylight::math::Vec3::ZERO)
+        fn extent(&self) -> Aabb {
+            Aabb::point(Vec3::ZERO)
         }
     }
     fn estimates(candidates: u32, lights: Vec<Toy>, n: u64) -> [Moments; 3] {
