@@ -49,7 +49,6 @@ fn principled_materials_under_spot_lights_through_a_lens_are_those_of_mitsuba() 
         ("path-lights", &["lights=stochastic-lightcuts"], 32),
         ("bidirectional", &[], 16),
         ("light-tracing", &[], 64),
-        ("instant-radiosity", &["compensation=kollig-keller", "paths=64"], 8),
     ] {
         agrees("gallery", method, params, spp, 32);
     }
