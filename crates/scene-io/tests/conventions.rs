@@ -502,3 +502,51 @@ const SPOT: [([f32; 3], f32); 16] = [
     ([3.4, 2.7, 1.9], 0.0),
     ([0.7, 4.5, 2.6], 0.0),
 ];
+
+#[test]
+fn serialized_meshes_are_mitsubas() {
+    // Written by `oracle/make_serialized.py`.
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/oracle");
+    let shape = |file: &str, index: u32, more: &str| {
+        let text = format!(
+            "<shape type=\"serialized\"><string name=\"filename\" value=\"{file}.serialized\"/>\
+             <integer name=\"shape_index\" value=\"{index}\"/>{more}</shape>"
+        );
+        scene_in(&folder, &text)
+    };
+    let down = ([0.5, -0.2, 9.0], [0.0, 0.0, -1.0]);
+    for (file, index, normal, uv) in [
+        ("quads4", 0, [-0.080281, -0.165456, 0.982944], [0.35, 0.4]),
+        ("quads4", 1, [0.034782, 0.131045, 0.990766], [0.625, 0.45]),
+        // Face normals by its flag alone: Mitsuba passes over it.
+        ("quads4", 2, [-0.108897, -0.137236, 0.984534], [0.116667, 0.466667]),
+        ("quads4", 3, [0.01737, 0.138163, 0.990257], [0.5625, 0.475]),
+        ("quads3", 0, [0.069653, 0.116634, 0.99073], [0.35, 0.4]),
+        ("quads3", 1, [-0.101768, -0.144303, 0.984286], [0.625, 0.45]),
+    ] {
+        check_hit(&format!("{file} {index}"), &shape(file, index, ""), down, normal, uv);
+    }
+    let faces = shape("quads4", 1, "<boolean name=\"face_normals\" value=\"true\"/>");
+    check_hit("faces", &faces, down, [0.0, -0.242536, 0.970143], [0.625, 0.45]);
+    let flipped = shape("quads4", 1, "<boolean name=\"flip_normals\" value=\"true\"/>");
+    check_hit("flipped", &flipped, down, [-0.034782, -0.131045, -0.990766], [0.625, 0.45]);
+}
+
+#[test]
+fn spectra_are_colours_and_merged_shapes_stand_beside_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("red.spd"), "# red\n400 0.1\n500 0.7\n600 0.3\n700 0.9\n").unwrap();
+    let listed = "<spectrum name=\"reflectance\" value=\"400:0.1, 500:0.7, 600:0.3, 700:0.9\"/>";
+    let from_file = "<spectrum name=\"reflectance\" filename=\"red.spd\"/>";
+    for colour in [listed, from_file] {
+        let shape =
+            "<shape type=\"merge\"><shape type=\"rectangle\"><ref id=\"a\"/></shape><shape type=\"cube\"/></shape>";
+        let loaded = scene_in(folder.path(), &format!("<bsdf type=\"diffuse\" id=\"a\">{colour}</bsdf>{shape}"));
+        assert_eq!(loaded.scene.geometry().shapes().len(), 2);
+        let bsdf = loaded.scene.bsdf(manylight_scene::MaterialId(0), Vec2::ZERO);
+        close(&bsdf.albedo(Vec3::Z).to_array(), &[0.311_179_43, 0.550_708_95, 0.413_552_76], 2e-5, "reflectance");
+    }
+    // Too bright for a reflectance, which is said.
+    let loaded = scene("<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" value=\"400:2, 700:3\"/></bsdf>");
+    assert!(loaded.warnings.iter().any(|w| w.contains("no colour of Rec. 709")), "{:?}", loaded.warnings);
+}

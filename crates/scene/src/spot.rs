@@ -89,8 +89,14 @@ mod tests {
 
     fn spots() -> Vec<Spot> {
         let axis = Vec3::new(0.36, 0.48, 0.8);
-        let angles =
-            [(0.35f32, 0.26f32), (0.35, 0.35), (1.2, 0.0), (2.9, 0.3), (0.01, 0.004), (3.141_592_7, 3.141_592_7)];
+        let angles = [
+            (0.35f32, 0.26f32),
+            (0.35, 0.35),
+            (1.2, 0.0),
+            (2.9, 0.3),
+            (0.01, 0.004),
+            (std::f32::consts::PI, std::f32::consts::PI),
+        ];
         angles.map(|(cutoff, beam)| Spot::new(axis, cutoff, beam).unwrap()).to_vec()
     }
     #[test]
