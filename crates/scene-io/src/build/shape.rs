@@ -48,12 +48,12 @@ const SIDES: u32 = 512;
 impl<'a> Builder<'a> {
     /// All shapes, in the order of the file; meshes are placed in parallel.
     pub(super) fn shapes(&mut self, scene: &Query<'a>) {
-        let mut shapes = scene.children(Class::Shape);
-        // What is merged renders as if it stood beside.
-        shapes = shapes.into_iter().flat_map(|shape| self.unmerged(shape)).collect();
+        let shapes = scene.children(Class::Shape);
         if shapes.is_empty() && !scene.object.broken {
             self.report.error(scene.object.at, "the scene has no shapes");
         }
+        // What is merged renders as if it stood beside.
+        let shapes: Vec<_> = shapes.into_iter().flat_map(|shape| self.unmerged(shape)).collect();
         let mut plans: Vec<Plan> = Vec::new();
         let mut triangles = 0;
         for (id, p) in &shapes {
