@@ -9,7 +9,7 @@ use manylight_integration::{
 };
 use manylight_math::{DAffine3, DVec3, Spectrum, Vec3};
 use manylight_reference::{BidirectionalPathTracer, Combine, PathTracer};
-use manylight_scene::{Emitter, Scene};
+use manylight_scene::{Camera, Emitter, Scene, Spot};
 use manylight_stats::{BlockTest, Reference, Runs, Verdict};
 
 fn verdict(a: &Runs, reference: Reference) -> Verdict {
@@ -19,16 +19,36 @@ fn alone(s: u32, t: u32) -> BidirectionalPathTracer {
     BidirectionalPathTracer { certain_edges: 99, combine: Combine::Alone(s, t), ..Default::default() }
 }
 /// A plate in the middle of a room, and a camera that sees the plate alone: what lights it lies on walls, at a distance.
-fn plate(size: (u32, u32)) -> Scene {
+fn plate(emitter: Emitter, eye: Camera) -> Scene {
     let mut b = Scene::builder();
     let (walls, white) = (diffuse(&mut b, Spectrum::rgb(0.7, 0.5, 0.3)), diffuse(&mut b, Spectrum::gray(0.8)));
     place(&mut b, hollow_cube(1.0), walls, None);
     let plate = TriangleMesh::rectangle(&DAffine3::from_scale(DVec3::splat(0.4)));
     place(&mut b, ShapeGeometry::Mesh(plate), white, None);
-    // Below the plate, which has no direct light.
-    b.emitter(Emitter::Point { position: Vec3::new(0.5, -0.4, -0.5), intensity: Spectrum::ONE });
-    b.camera(camera(DVec3::new(0.2, 0.1, 0.9), DVec3::ZERO, 20.0, size));
+    b.emitter(emitter);
+    b.camera(eye);
     built(b)
+}
+/// Lights below the plate, which has no direct light, and cameras of each kind.
+fn plates() -> [(&'static str, Scene); 3] {
+    let (eye, size) = (DVec3::new(0.2, 0.1, 0.9), (8, 8));
+    let position = Vec3::new(0.5, -0.4, -0.5);
+    let point = Emitter::Point { position, intensity: Spectrum::ONE };
+    let spot = Spot::new(Vec3::new(0.5, -0.3, 0.8).normalize(), 0.7, 0.4).unwrap();
+    let spot = Emitter::Spot { position, intensity: Spectrum::ONE, spot };
+    let pinhole = camera(eye, DVec3::ZERO, 20.0, size);
+    // Out of focus, but no wider than the plate.
+    let lens = camera(eye, DVec3::ZERO, 12.0, size).with_lens(0.08, 0.6).unwrap();
+    // Turned round: it looks along -z.
+    let turned = DAffine3::from_translation(DVec3::new(0.05, 0.02, 0.9))
+        * DAffine3::from_rotation_y(std::f64::consts::PI)
+        * DAffine3::from_scale(DVec3::new(0.3, 0.2, 1.0));
+    let parallel = Camera::orthographic(turned, size).unwrap();
+    [
+        ("a point and a pinhole", plate(point, pinhole)),
+        ("a spot and a lens", plate(spot.clone(), lens)),
+        ("a spot and parallel rays", plate(spot, parallel)),
+    ]
 }
 
 #[test]
@@ -47,18 +67,31 @@ fn every_strategy_alone_integrates_to_the_same() {
 
 #[test]
 fn instant_radiosity_is_the_strategy_with_two_eye_vertices() {
-    let scene = plate((8, 8));
-    for edges in 3..=5u32 {
-        let lengths = [format!("min-depth={edges}"), format!("max-depth={edges}")];
-        let ir = recipe("instant-radiosity", &["bound=none", "paths=1024", &lengths[0], &lengths[1]], &scene);
-        let ours = block_runs(&scene, &alone(edges - 1, 2), 64, 8, effort(64), 2);
-        let v = verdict(&block_runs(&scene, &*ir.method, 1, 9, effort(64), 2), Reference::Runs(&ours));
-        println!("{edges} edges: {v}");
-        assert!(v.passes(), "{edges} edges: {v}");
-        // Nor do they agree by doing nothing: a path tracer finds the same light.
-        let path = PathTracer { min_edges: edges, max_edges: edges, ..PathTracer::default() };
-        let v = verdict(&block_runs(&scene, &path, 16, 10, effort(64), 2), Reference::Runs(&ours));
-        assert!(v.passes(), "{edges} edges, path tracing: {v}");
+    for (name, scene) in plates() {
+        for edges in 3..=if name.contains("pinhole") { 5 } else { 3 } {
+            let lengths = [format!("min-depth={edges}"), format!("max-depth={edges}")];
+            let ir = recipe("instant-radiosity", &["bound=none", "paths=1024", &lengths[0], &lengths[1]], &scene);
+            let ours = BidirectionalPathTracer { max_edges: edges, ..alone(edges - 1, 2) };
+            let ours = block_runs(&scene, &ours, 64, 8, effort(64), 2);
+            let v = verdict(&block_runs(&scene, &*ir.method, 1, 9, effort(64), 2), Reference::Runs(&ours));
+            println!("{name}, {edges} edges: {v}");
+            assert!(v.passes(), "{name}, {edges} edges: {v}");
+            // Nor do they agree by doing nothing: a path tracer finds the same light, and so does what light paths leave on the film.
+            let path = PathTracer { min_edges: edges, max_edges: edges, ..PathTracer::default() };
+            let v = verdict(&block_runs(&scene, &path, 16, 10, effort(64), 2), Reference::Runs(&ours));
+            assert!(v.passes(), "{name}, {edges} edges, path tracing: {v}");
+            if edges > 3 {
+                continue;
+            }
+            for (what, combine) in
+                [("seen from the camera", Combine::Alone(3, 1)), ("all strategies", Combine::Balance)]
+            {
+                let all = BidirectionalPathTracer { min_edges: 3, max_edges: 3, combine, ..Default::default() };
+                let v = verdict(&block_runs(&scene, &all, 64, 11, effort(64), 2), Reference::Runs(&ours));
+                println!("{name}, {what}: {v}");
+                assert!(v.passes(), "{name}, {what}: {v}");
+            }
+        }
     }
 }
 

@@ -103,7 +103,7 @@ impl<'s> Film<'s> {
     pub fn camera_ray(&self, pixel: usize, s: &mut Stream) -> (Ray, f32) {
         let (x, y) = (pixel % self.image.width, pixel / self.image.width);
         let (offset, weight) = self.filter.sample(s.next_2d());
-        (self.camera.ray(Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset), weight)
+        (self.camera.sample_ray(Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset, s), weight)
     }
     /// Sets each pixel to the mean of `spp` samples of `radiance`. A sample that is not valid counts as black and is reported.
     pub fn fill(&mut self, probe: &mut Probe, radiance: &(dyn Fn(&Ray, &mut Probe, &mut Stream) -> Spectrum + Sync)) {

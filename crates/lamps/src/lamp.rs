@@ -19,7 +19,8 @@ pub struct LampCluster {
     pub bounds: Aabb,
     /// Unit, of a cone about all normals; zero for light from infinity.
     pub axis: Vec3,
-    /// Half angle of the cone; pi where one shines to all sides. \[rad\]
+    /// Half angle of the cone; pi where one shines to all sides. What is emitted at an angle a from the axis is at most the intensity
+    /// times cos(max(0, a - half)). \[rad\]
     pub half: f32,
     /// Luminance of the radiant intensity along the axes, summed [W/sr]; from infinity, of the irradiance [W/m^2].
     pub intensity: f32,
@@ -30,6 +31,7 @@ impl Lamp {
     pub fn new(p: &EmitterPart) -> Lamp {
         let (axis, half) = match p.axis {
             PartAxis::About(n) => (n, 0.0),
+            PartAxis::Within(axis, half) => (axis, half),
             PartAxis::AllAround => (Vec3::Z, std::f32::consts::PI),
             PartAxis::FromInfinity => (Vec3::ZERO, std::f32::consts::PI),
         };
@@ -88,11 +90,11 @@ impl Clustered for Lamp {
         self.cluster.bounds.centre()
     }
     fn axis(&self) -> Vec3 {
-        if self.cluster.half > 0.0 { Vec3::ZERO } else { self.cluster.axis }
+        if self.cluster.half >= std::f32::consts::FRAC_PI_2 { Vec3::ZERO } else { self.cluster.axis }
     }
     /// To one side, to all sides, from infinity.
     fn kind(&self) -> u32 {
-        if self.cluster.is_distant() { 2 } else { (self.cluster.half > 0.0) as u32 }
+        if self.cluster.is_distant() { 2 } else { (self.cluster.half >= std::f32::consts::FRAC_PI_2) as u32 }
     }
     fn cluster(&self) -> LampCluster {
         self.cluster

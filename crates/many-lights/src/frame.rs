@@ -68,7 +68,7 @@ fn first_vertex(
     let mut s = film.stream(pixel, 0);
     let (mut ray, weight) = film.camera_ray(pixel, &mut s);
     let (mut throughput, mut depth) = (Spectrum::gray(weight), 0.0f32);
-    let cos_axis = film.camera.forward.dot(ray.dir);
+    let shot = ray.dir;
     probe.camera_rays += 1;
     for edges in 1..=MOST_EDGES {
         if !onward.allows(edges + 1) {
@@ -81,7 +81,7 @@ fn first_vertex(
             let vertex = parts.gathers;
             let facing = vertex.normal().map_or(1.0, |n| n.dot(ray.dir).abs());
             // A pixel of the film at unit distance, seen from the pinhole, spread over the surface that it meets.
-            let area = film.camera.pixel_area() * cos_axis.powi(3) * depth * depth / facing.max(1e-3);
+            let area = film.camera.area_across(shot, depth) / facing.max(1e-3);
             return Some(Pixel { vertex, edges, area, depth, throughput });
         }
         let next = parts.step(&mut s)?;

@@ -45,7 +45,7 @@ impl Promise for BidirectionalPathTracer {
 struct Sample<'a> {
     tracer: &'a BidirectionalPathTracer,
     scene: &'a Scene,
-    lens: &'a Lens,
+    lens: Lens,
     own: Spectrum,
     splats: Vec<(usize, Spectrum)>,
 }
@@ -115,12 +115,13 @@ impl BidirectionalPathTracer {
     fn sample<'a>(
         &'a self,
         scene: &'a Scene,
-        lens: &'a Lens,
+        lens: &Lens,
         ray: &Ray,
         probe: &mut Probe,
         s: &mut Stream,
         light: &mut Stream,
     ) -> Sample<'a> {
+        let lens = lens.along(ray);
         let mut sample = Sample { tracer: self, scene, lens, own: Spectrum::BLACK, splats: vec![] };
         let most = |edges: u32| edges.saturating_add(1).min(1 << 16) as usize;
         let pinhole = Vertex { p: ray.origin, scatter: Scatter::Emitter(EmitterPoint::Isotropic) };
@@ -252,12 +253,15 @@ impl Sample<'_> {
             return;
         }
         let Some((at, scale)) = self.lens.see(&from.vertex).filter(|seen| self.lens.reaches(seen.0)) else { return };
-        let value = from.beta * from.vertex.eval(direction(&from.vertex, &x[0].vertex)) * scale;
+        let eye = self.lens.eye(&from.vertex);
+        let value = from.beta * from.vertex.eval(direction(&from.vertex, &eye)) * scale;
         // One light path for each pixel and sample.
         let (w, h) = self.scene.camera().size;
         let value = value * (1.0 / (w as f32 * h as f32));
-        let Some(value) = self.unblocked(&x[0].vertex, &from.vertex, value, probe, s) else { return };
-        let value = value * self.weight(y.len(), || self.ways(y, x, y[0].ahead, hit));
+        let Some(value) = self.unblocked(&eye, &from.vertex, value, probe, s) else { return };
+        let mut camera = [x[0]];
+        camera[0].vertex = eye;
+        let value = value * self.weight(y.len(), || self.ways(y, &camera, y[0].ahead, hit));
         self.lens.splat(at, value, &mut self.splats);
     }
     fn ways(&self, y: &[Node], x: &[Node], first: f64, hit: bool) -> Ways {

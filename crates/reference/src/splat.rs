@@ -1,9 +1,10 @@
 //! Light that arrives at the camera from wherever: its place on the film, and the pixels whose filters reach it.
 
-use manylight_math::{Spectrum, Vec2};
-use manylight_scene::{Camera, Filter, Vertex};
+use manylight_math::{Ray, Spectrum, Vec2};
+use manylight_scene::{Camera, EmitterPoint, Filter, Scatter, Vertex};
 
 /// The camera as the end of light paths.
+#[derive(Clone, Copy)]
 pub(crate) struct Lens {
     camera: Camera,
     filter: Filter,
@@ -18,22 +19,28 @@ impl Lens {
         let width = (0..CELLS).map(|i| filter.eval(((i as f64 + 0.5) * cell) as f32 - r) as f64 * cell).sum();
         Lens { camera, filter, width }
     }
+    /// As the eye path sees through it whose first ray this is: from one point of the lens.
+    pub fn along(&self, ray: &Ray) -> Lens {
+        Lens { camera: self.camera.at_lens_point(ray.origin), ..*self }
+    }
+    /// The point of the camera that sees `x`.
+    pub fn eye(&self, x: &Vertex) -> Vertex {
+        Vertex { p: self.camera.seen_from(x.p), scatter: Scatter::Emitter(EmitterPoint::Isotropic) }
+    }
     /// Density, per area at `x`, with which camera rays over the whole image meet it: 1 / (film cos^3) cos_x / d^2. [1/m^2]
     pub fn density(&self, x: &Vertex) -> f64 {
-        let d = x.p - self.camera.origin;
-        let Some((_, cos)) = self.camera.project(d) else { return 0.0 };
+        let Some((_, scale)) = self.camera.project(x.p) else { return 0.0 };
         let (w, h) = self.camera.size;
         let film = self.camera.pixel_area() as f64 * w as f64 * h as f64;
+        let d = x.p - self.camera.seen_from(x.p);
         let across = x.normal().map_or(1.0, |n| n.dot(d.normalize_or_zero()).abs()) as f64;
-        across / d.length_squared() as f64 / (film * (cos as f64).powi(3))
+        across * scale as f64 / film
     }
-    /// Where it is seen \[pixel\], and what its radiant intensity [W/sr] towards the pinhole is to a pixel there, per light path:
-    /// 1 / (d^2 cos^3 a), for a pixel of area a on the film at 1 m. `None` from behind.
+    /// Where it is seen \[pixel\], and what its radiant intensity [W/sr] towards the camera is to a pixel there, per light path:
+    /// 1 / (d^2 cos^3 a), for a pixel of area a on the film at 1 m; 1 / a for parallel rays. `None` from behind.
     pub fn see(&self, x: &Vertex) -> Option<(Vec2, f32)> {
-        let d = x.p - self.camera.origin;
-        let (at, cos) = self.camera.project(d)?;
-        let d2 = d.length_squared();
-        (d2 > 0.0).then(|| (at, 1.0 / (d2 * cos * cos * cos * self.camera.pixel_area())))
+        let (at, scale) = self.camera.project(x.p)?;
+        Some((at, scale / self.camera.pixel_area())).filter(|seen| seen.1.is_finite())
     }
     /// Could any pixel's filter reach that far?
     pub fn reaches(&self, at: Vec2) -> bool {

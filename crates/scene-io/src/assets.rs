@@ -1,13 +1,15 @@
 //! The files that a scene names: each read once, all in parallel.
 
 use crate::document::{Class, Document, Object, Value};
-use crate::mesh::{RawMesh, obj, ply};
+use crate::mesh::{RawMesh, obj, ply, serialized};
 use crate::vol::{self, RawGrid};
 use crate::xml::Folders;
 use crate::{diagnostic, image};
 use manylight_scene::Bitmap;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
+use std::fs::File;
+use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -19,6 +21,8 @@ pub(crate) const MOST_BYTES: u64 = 16 << 30;
 pub(crate) enum Kind {
     Obj,
     Ply,
+    /// The mesh of an index in the file.
+    Serialized(u32),
     Grid,
     /// `raw`: values are not colours, they are taken as they are.
     Image {
@@ -90,6 +94,10 @@ fn wanted(object: &Object) -> Option<(&str, Kind)> {
     let kind = match (object.class, object.plugin.as_str()) {
         (Class::Shape, "obj") => Kind::Obj,
         (Class::Shape, "ply") => Kind::Ply,
+        (Class::Shape, "serialized") => Kind::Serialized(match object.value("shape_index") {
+            Some(Value::Integer(i)) => u32::try_from(*i).ok()?,
+            _ => 0,
+        }),
         (Class::Volume, "gridvolume") => Kind::Grid,
         (Class::Texture, "bitmap") => Kind::Image { raw: object.value("raw") == Some(&Value::Boolean(true)) },
         (Class::Emitter, "envmap") => Kind::Image { raw: false },
@@ -102,19 +110,29 @@ fn wanted(object: &Object) -> Option<(&str, Kind)> {
 }
 
 fn read_one(path: &Path, kind: Kind) -> Result<Content, Failure> {
-    let bytes = read_bytes(path)?;
     let shown = path.file_name().map_or_else(|| path.to_string_lossy(), |n| n.to_string_lossy()).into_owned();
+    let bytes = || read_bytes(path);
     let result = match kind {
-        Kind::Obj => obj::read(&bytes).map(Content::Mesh),
-        Kind::Ply => ply::read(&bytes).map(Content::Mesh),
-        Kind::Grid => vol::read(&bytes).map(Content::Grid),
-        Kind::Image { raw } => image::read(&bytes, raw).map(|i| Content::Image(Arc::new(i))),
+        // A part of a file that may hold all meshes of a scene.
+        Kind::Serialized(index) => serialized::read(&mut BufReader::new(open(path)?), index).map(Content::Mesh),
+        Kind::Obj => obj::read(&bytes()?).map(Content::Mesh),
+        Kind::Ply => ply::read(&bytes()?).map(Content::Mesh),
+        Kind::Grid => vol::read(&bytes()?).map(Content::Grid),
+        Kind::Image { raw } => image::read(&bytes()?, raw).map(|i| Content::Image(Arc::new(i))),
     };
     result.map_err(|e| (format!("`{shown}`: {e}"), None))
 }
 
 /// The bytes of a regular file of a bounded size.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    let mut bytes = Vec::new();
+    let read = open(path)?.read_to_end(&mut bytes);
+    read.map_err(|e| (format!("cannot read `{}`: {e}", path.display()), None))?;
+    Ok(bytes)
+}
+
+/// A regular file of a bounded size.
+fn open(path: &Path) -> Result<File, Failure> {
     let shown = path.display();
     let meta = std::fs::metadata(path).map_err(|e| (format!("cannot read `{shown}`: {e}"), near_file(path)))?;
     if !meta.is_file() {
@@ -123,7 +141,7 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     if meta.len() > MOST_BYTES {
         return Err((format!("cannot read `{shown}`: its {} bytes are more than {MOST_BYTES}", meta.len()), None));
     }
-    std::fs::read(path).map_err(|e| (format!("cannot read `{shown}`: {e}"), None))
+    File::open(path).map_err(|e| (format!("cannot read `{shown}`: {e}"), None))
 }
 
 /// A file beside the missing one that may have been meant.

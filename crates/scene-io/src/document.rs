@@ -1,8 +1,10 @@
 //! The file as objects (plugins) with typed properties; ids and references resolved.
 
+use crate::assets::{self, Failure};
 use crate::diagnostic::{At, Report, any_of, nearest, suggestion};
+use crate::spectrum;
 use crate::value;
-use crate::xml::{Attribute, Element, upgrade};
+use crate::xml::{Attribute, Element, Folders, upgrade};
 use manylight_math::{DAffine3, DVec3};
 use std::collections::HashMap;
 
@@ -65,6 +67,8 @@ pub(crate) enum Value {
     Text(String),
     Rgb([f64; 3]),
     Spectrum(f64),
+    /// Wavelengths [nm], rising, and values.
+    Table(Vec<[f64; 2]>),
     Vector(DVec3),
     Point(DVec3),
     Transform(DAffine3),
@@ -82,7 +86,7 @@ impl Value {
             Value::Float(_) => "float",
             Value::Text(_) => "string",
             Value::Rgb(_) => "rgb",
-            Value::Spectrum(_) => "spectrum",
+            Value::Spectrum(_) | Value::Table(_) => "spectrum",
             Value::Vector(_) => "vector",
             Value::Point(_) => "point",
             Value::Transform(_) => "transform",
@@ -139,7 +143,7 @@ impl Document {
         ObjectId(self.objects.len() - 1)
     }
     /// Reads a whole tree. `None` if its root is no scene of a version that is understood.
-    pub(crate) fn read(mut root: Element, report: &Report) -> Option<Document> {
+    pub(crate) fn read(mut root: Element, folders: &Folders, report: &Report) -> Option<Document> {
         if check_root(&root, report)? < 2 {
             report.warn(
                 root.at,
@@ -148,7 +152,7 @@ impl Document {
             upgrade(&mut root);
         }
         let root = &root;
-        let mut reader = Reader { objects: Vec::new(), ids: HashMap::new(), report };
+        let mut reader = Reader { objects: Vec::new(), ids: HashMap::new(), folders, report };
         reader.scene(root);
         let mut document = Document { objects: reader.objects };
         document.resolve(&reader.ids, report);
@@ -225,6 +229,7 @@ fn check_root(root: &Element, report: &Report) -> Option<u32> {
 }
 
 struct Reader<'a> {
+    folders: &'a Folders,
     objects: Vec<Object>,
     ids: HashMap<String, ObjectId>,
     report: &'a Report,
@@ -327,15 +332,28 @@ impl Reader<'_> {
             "float" => self.simple(e, |a| value::parse(a, report, value::number).map(Value::Float)),
             "string" => self.simple(e, |a| value::parse(a, report, |text| Ok(Value::Text(text.to_owned())))),
             "rgb" => self.simple(e, |a| value::parse(a, report, value::rgb).map(Value::Rgb)),
-            "spectrum" if e.attribute("filename").is_some() || e.attribute("type").is_some() => {
-                report.error_help(
-                    e.at,
-                    "spectra from files and spectrum plugins are not supported yet",
-                    "write the colour as <rgb>",
-                );
+            "spectrum" if e.attribute("type").is_some() => {
+                report.error_help(e.at, "spectrum plugins are not supported yet", "write the colour as <rgb>");
                 None
             }
-            "spectrum" => self.simple(e, |a| value::parse(a, report, value::spectrum).map(Value::Spectrum)),
+            "spectrum" if e.attribute("filename").is_some() => {
+                e.expect_attributes(&["name", "filename"], report);
+                let file = e.required("filename", report).filter(|a| !a.unknown)?;
+                e.required("name", report)?;
+                let table = self.spectrum_file(&file.value);
+                let table = table.map_err(|(message, help)| match help {
+                    Some(help) => report.error_help(file.value_at, message, help),
+                    None => report.error(file.value_at, message),
+                });
+                property(Value::Table(table.ok()?), file.value_at)
+            }
+            "spectrum" => self.simple(e, |a| {
+                if a.value.contains(':') {
+                    value::parse(a, report, spectrum::parse).map(Value::Table)
+                } else {
+                    value::parse(a, report, value::spectrum).map(Value::Spectrum)
+                }
+            }),
             "srgb" => {
                 report.error_help(
                     e.at,
@@ -354,6 +372,13 @@ impl Reader<'_> {
                 None
             }
         }
+    }
+
+    fn spectrum_file(&self, name: &str) -> Result<Vec<[f64; 2]>, Failure> {
+        let path = self.folders.find(name);
+        let text = String::from_utf8(assets::read_bytes(&path)?);
+        let text = text.map_err(|_| (format!("`{name}` is not a text"), None))?;
+        spectrum::read(&text).map_err(|e| (format!("`{name}`: {e}"), None))
     }
 
     fn simple(&self, e: &Element, parse: impl Fn(&Attribute) -> Option<Value>) -> Option<Property> {

@@ -1,7 +1,8 @@
 //! The files that scenes name, one format at a time: is a file's content what it should be? For fuzzing, and for tools.
 
-use crate::mesh::{obj, ply};
+use crate::mesh::{obj, ply, serialized};
 use crate::{image, vol};
+use std::io::Cursor;
 
 /// A format of files beside the scene's own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,6 +11,8 @@ pub enum Format {
     Obj,
     /// Stanford PLY.
     Ply,
+    /// A mesh of Mitsuba's, the first of the file's.
+    Serialized,
     /// A grid of Mitsuba's.
     Vol,
     /// PNG, JPEG, Radiance HDR or OpenEXR, by its content.
@@ -21,6 +24,9 @@ pub fn check(format: Format, bytes: &[u8]) -> Result<usize, String> {
     match format {
         Format::Obj => obj::read(bytes).map(|m| m.positions.len() + m.triangles.len()),
         Format::Ply => ply::read(bytes).map(|m| m.positions.len() + m.triangles.len()),
+        Format::Serialized => {
+            serialized::read(&mut Cursor::new(bytes), 0).map(|m| m.positions.len() + m.triangles.len())
+        }
         Format::Vol => vol::read(bytes).map(|g| g.values.len()),
         Format::Image => image::read(bytes, false).map(|i| i.pixels.len()),
     }

@@ -28,6 +28,7 @@ mod mesh;
 mod mutation;
 pub mod parametric;
 mod query;
+mod spectrum;
 mod value;
 mod vol;
 mod xml;
@@ -96,7 +97,7 @@ pub fn parse(text: &str, path: &Path, base_dir: &Path, options: &LoadOptions) ->
     let mut reading = xml::Reading { report: &mut report, defines: &mut defines, folders: &mut folders };
     let root = xml::read(&mut reading, source);
     let loaded = root.and_then(|root| {
-        let document = document::Document::read(root, &report)?;
+        let document = document::Document::read(root, &folders, &report)?;
         defines.report_unused(&report);
         let assets = assets::Assets::read(&document, &folders);
         let mut loaded = build::build(&document, &report, &assets, options)?;

@@ -1,7 +1,7 @@
 //! Thousands of mutated inputs: none panics, and what is made of one is bounded by its size (not by a clock, which measures
 //! the machine too). Seeded, so that a failure comes back.
 
-use crate::mesh::{RawMesh, obj, ply};
+use crate::mesh::{RawMesh, obj, ply, serialized};
 use crate::{LoadOptions, image, parse};
 use std::path::Path;
 
@@ -243,6 +243,28 @@ fn mutated_grids_are_read_or_refused() {
     let words = ["VOL", "\0\0\0\0", "\u{7f}\u{7f}\u{7f}\u{7f}", "\u{1}\0\0\0", "\u{3}"];
     let accepted = storm(40_000, &[grid], &words, 1, |b| crate::vol::read(b).ok().map(|g| g.values.len()));
     assert!(accepted > 100, "{accepted}");
+}
+
+#[test]
+fn mutated_serialized_meshes_are_read_or_refused() {
+    use flate2::{Compression, write::ZlibEncoder};
+    use std::io::{Cursor, Write};
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/oracle");
+    let seeds = ["quads3", "quads4"].map(|f| std::fs::read(folder.join(format!("{f}.serialized"))).unwrap());
+    let words = ["\u{4}\u{1c}", "\0\0\0\0", "\u{7f}\u{7f}\u{7f}\u{7f}", "\u{1}\0\0\0"];
+    // Compressed data knows when it is broken: what is inside is mutated apart, and the table at the end.
+    let any = |b: &[u8]| (0..3).filter_map(|i| serialized::read(&mut Cursor::new(b), i).ok()).map(size).max();
+    let accepted = storm(4_000, &seeds, &words, 500, any);
+    let mut inside = vec![0, 16, 0, 0, b'n', 0];
+    inside.extend([4u64, 2].iter().flat_map(|n| n.to_le_bytes()));
+    inside.extend((0..12).flat_map(|i| (i as f32).to_le_bytes()));
+    inside.extend([0u32, 1, 2, 0, 2, 3].iter().flat_map(|i| i.to_le_bytes()));
+    let accepted_inside = storm(12_000, &[inside], &words, 1, |b| {
+        let mut stream = ZlibEncoder::new(vec![0x1c, 4, 4, 0], Compression::fast());
+        stream.write_all(b).unwrap();
+        serialized::read(&mut Cursor::new(stream.finish().unwrap()), 0).ok().map(size)
+    });
+    assert!(accepted > 100 && accepted_inside > 100, "{accepted} {accepted_inside}");
 }
 
 #[test]

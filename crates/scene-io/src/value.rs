@@ -64,10 +64,7 @@ fn no_hex(hex: &str) -> String {
 
 /// A grey `<spectrum value="0.7"/>`.
 pub(crate) fn spectrum(text: &str) -> Result<f64, String> {
-    if text.contains(':') {
-        return Err("tabulated spectra are not supported yet: write the colour as <rgb>".into());
-    }
-    number(text).map_err(|e| format!("{e} (of <spectrum>, a single number is supported; otherwise write <rgb>)"))
+    number(text).map_err(|e| format!("{e} (a <spectrum> is one number, or pairs such as `400:0.1, 500:0.7`)"))
 }
 
 fn shorten(text: &str) -> String {

@@ -422,3 +422,131 @@ fn included_files_and_further_folders_are_read_as_if_they_stood_there() {
     let message = main("").unwrap_err().to_string();
     assert!(message.contains("`main.xml` includes itself"), "{message}");
 }
+
+const LOOKING: &str = "<lookat origin=\"1,2,3\" target=\"2,2.5,1\" up=\"0,1,0\"/>";
+
+#[test]
+fn lenses_and_parallel_rays_are_mitsubas() {
+    let film =
+        "<film type=\"hdrfilm\"><integer name=\"width\" value=\"40\"/><integer name=\"height\" value=\"20\"/></film>";
+    let camera = |plugin: &str, more: &str| {
+        let sensor = format!("<sensor type=\"{plugin}\">{more}{film}</sensor>");
+        *scene(&sensor).scene.camera()
+    };
+    // `sensor.sample_ray` at these places of the film.
+    let places = [Vec2::new(0.1 * 40.0, 0.2 * 20.0), Vec2::new(0.9 * 40.0, 0.6 * 20.0)];
+    let lens = camera(
+        "thinlens",
+        &format!(
+            "<float name=\"fov\" value=\"50\"/><float name=\"aperture_radius\" value=\"0.2\"/>\
+             <float name=\"focus_distance\" value=\"3\"/><transform name=\"to_world\">{LOOKING}</transform>"
+        ),
+    );
+    let theirs = [
+        ([1.044_269_9f32, 2.104_627_8, 3.036_835_4], [0.069_111_05f32, 0.297_266_48, -0.952_289_88]),
+        ([1.023_308_9, 1.846_103_5, 2.961_723_8], [0.720_900_83, 0.210_579_18, -0.660_271_4]),
+    ];
+    for (at, (origin, dir)) in places.into_iter().zip(theirs) {
+        let (origin, dir) = (Vec3::from(origin), Vec3::from(dir));
+        // Theirs starts at the near plane: back to the lens.
+        let p = origin - dir * (lens.forward.dot(origin - lens.origin) / lens.forward.dot(dir));
+        assert!((p - lens.origin).length() < 0.2);
+        close(&lens.at_lens_point(p).ray(at).dir.to_array(), &dir.to_array(), 1e-5, "lens");
+    }
+    let parallel =
+        camera("orthographic", &format!("<transform name=\"to_world\"><scale x=\"3\" y=\"2\"/>{LOOKING}</transform>"));
+    let origins = [[-1.200_814_7f32, 2.587_722_3, 2.035_066_8], [3.170_506_5, 1.807_002_2, 4.025_548]];
+    for (at, origin) in places.into_iter().zip(origins) {
+        let ray = parallel.ray(at);
+        close(&ray.dir.to_array(), &[0.436_435_87, 0.218_217_9, -0.872_871_64], 1e-6, "direction");
+        let along = (Vec3::from(origin) - ray.origin).dot(ray.dir);
+        close(&ray.at(along).to_array(), &origin, 1e-5, "parallel");
+    }
+}
+
+#[test]
+fn spots_are_mitsubas() {
+    let loaded = scene(&format!(
+        "<emitter type=\"spot\"><rgb name=\"intensity\" value=\"3,2,1\"/><float name=\"cutoff_angle\" value=\"35\"/>\
+         <float name=\"beam_width\" value=\"15\"/><transform name=\"to_world\">{LOOKING}</transform></emitter>"
+    ));
+    let mut s = manylight_sampling::Stream::new(1, [0; 3], manylight_sampling::Purpose::TEST);
+    let sample = loaded.scene.sample_emitter(&mut s).unwrap();
+    // `emitter.sample_direction`: the middle, the beam, where it fades, and outside.
+    for (p, red) in SPOT {
+        let d = Vec3::from(p) - sample.vertex.p;
+        let got = sample.flux * sample.vertex.lobe_at(d.normalize()) * (1.0 / d.length_squared());
+        let want = [red, red * 2.0 / 3.0, red / 3.0];
+        assert!(
+            got.to_array().iter().zip(want).all(|(a, b)| (a - b).abs() <= 2e-5 * red + 1e-7),
+            "{p:?}: {got:?} {red}"
+        );
+    }
+}
+
+const SPOT: [([f32; 3], f32); 16] = [
+    ([2.0, 2.5, 1.0], 0.5714285),
+    ([2.2, 2.6, 1.4], 0.6880733),
+    ([0.5, 3.9, 2.3], 0.0),
+    ([1.0, 2.5, 1.3], 0.4310768),
+    ([2.6, 3.7, 0.3], 0.2202905),
+    ([0.1, 3.8, 1.3], 0.0),
+    ([3.0, 0.5, 1.3], 0.0),
+    ([2.9, 1.4, 2.8], 0.0),
+    ([3.6, 0.6, 0.1], 0.0),
+    ([2.2, 4.3, 1.1], 0.02300145),
+    ([0.9, 2.2, 0.1], 0.09737881),
+    ([0.9, 2.3, 1.5], 0.3360955),
+    ([0.9, 1.4, 0.7], 0.0),
+    ([1.8, 1.7, 0.1], 0.2233675),
+    ([3.4, 2.7, 1.9], 0.0),
+    ([0.7, 4.5, 2.6], 0.0),
+];
+
+#[test]
+fn serialized_meshes_are_mitsubas() {
+    // Written by `oracle/make_serialized.py`.
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/oracle");
+    let shape = |file: &str, index: u32, more: &str| {
+        let text = format!(
+            "<shape type=\"serialized\"><string name=\"filename\" value=\"{file}.serialized\"/>\
+             <integer name=\"shape_index\" value=\"{index}\"/>{more}</shape>"
+        );
+        scene_in(&folder, &text)
+    };
+    let down = ([0.5, -0.2, 9.0], [0.0, 0.0, -1.0]);
+    for (file, index, normal, uv) in [
+        ("quads4", 0, [-0.080281, -0.165456, 0.982944], [0.35, 0.4]),
+        ("quads4", 1, [0.034782, 0.131045, 0.990766], [0.625, 0.45]),
+        // Face normals by its flag alone: Mitsuba passes over it.
+        ("quads4", 2, [-0.108897, -0.137236, 0.984534], [0.116667, 0.466667]),
+        ("quads4", 3, [0.01737, 0.138163, 0.990257], [0.5625, 0.475]),
+        ("quads3", 0, [0.069653, 0.116634, 0.99073], [0.35, 0.4]),
+        ("quads3", 1, [-0.101768, -0.144303, 0.984286], [0.625, 0.45]),
+    ] {
+        check_hit(&format!("{file} {index}"), &shape(file, index, ""), down, normal, uv);
+    }
+    let faces = shape("quads4", 1, "<boolean name=\"face_normals\" value=\"true\"/>");
+    check_hit("faces", &faces, down, [0.0, -0.242536, 0.970143], [0.625, 0.45]);
+    let flipped = shape("quads4", 1, "<boolean name=\"flip_normals\" value=\"true\"/>");
+    check_hit("flipped", &flipped, down, [-0.034782, -0.131045, -0.990766], [0.625, 0.45]);
+}
+
+#[test]
+fn spectra_are_colours_and_merged_shapes_stand_beside_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("red.spd"), "# red\n400 0.1\n500 0.7\n600 0.3\n700 0.9\n").unwrap();
+    let listed = "<spectrum name=\"reflectance\" value=\"400:0.1, 500:0.7, 600:0.3, 700:0.9\"/>";
+    let from_file = "<spectrum name=\"reflectance\" filename=\"red.spd\"/>";
+    for colour in [listed, from_file] {
+        let shape =
+            "<shape type=\"merge\"><shape type=\"rectangle\"><ref id=\"a\"/></shape><shape type=\"cube\"/></shape>";
+        let loaded = scene_in(folder.path(), &format!("<bsdf type=\"diffuse\" id=\"a\">{colour}</bsdf>{shape}"));
+        assert_eq!(loaded.scene.geometry().shapes().len(), 2);
+        let bsdf = loaded.scene.bsdf(manylight_scene::MaterialId(0), Vec2::ZERO);
+        close(&bsdf.albedo(Vec3::Z).to_array(), &[0.311_179_43, 0.550_708_95, 0.413_552_76], 2e-5, "reflectance");
+    }
+    // Too bright for a reflectance, which is said.
+    let loaded = scene("<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" value=\"400:2, 700:3\"/></bsdf>");
+    assert!(loaded.warnings.iter().any(|w| w.contains("no colour of Rec. 709")), "{:?}", loaded.warnings);
+}

@@ -2,7 +2,7 @@
 
 use crate::media::Media;
 use crate::vertex::{EmitterPoint, Scatter, Vertex};
-use crate::{Camera, Environment, Source, Texture};
+use crate::{Camera, Environment, Source, Spot, Texture};
 use manylight_geometry::{Geometry, ShapeGeometry, offset_from};
 use manylight_math::{Aabb, Frame, INV_4PI, INV_PI, MediumId, Ray, Spectrum, Vec2, Vec3};
 use manylight_sampling::{AliasTable, Stream, warp};
@@ -17,6 +17,15 @@ pub enum Emitter {
         position: Vec3,
         /// [W/sr]
         intensity: Spectrum,
+    },
+    /// A point that shines into a cone.
+    Spot {
+        /// \[m\]
+        position: Vec3,
+        /// Along the axis. [W/sr]
+        intensity: Spectrum,
+        /// Where it shines to.
+        spot: Spot,
     },
     /// Parallel light.
     Directional {
@@ -48,6 +57,11 @@ enum Sampler {
         position: Vec3,
         intensity: Spectrum,
     },
+    Spot {
+        position: Vec3,
+        intensity: Spectrum,
+        spot: Spot,
+    },
     Directional {
         direction: Vec3,
         irradiance: Spectrum,
@@ -63,7 +77,7 @@ enum Sampler {
 pub struct EmitterSample {
     /// The end of a path: its lobe is normalised, so that `flux` times it is what it emits.
     pub vertex: Vertex,
-    /// Emitted by all of the light that the sample stands for: radiance x pi / pdf for areas, intensity x 4 pi / pmf for points \[W\];
+    /// Emitted by all of the light that the sample stands for: radiance x pi / pdf for areas, intensity x solid angle / pmf for points \[W\];
     /// irradiance / pdf for light from infinity [W/m^2].
     pub flux: Spectrum,
     /// Density of the point per area [1/m^2], or of the direction per solid angle [1/sr] for light from infinity, times the
@@ -100,6 +114,8 @@ pub struct EmitterPart {
 pub enum PartAxis {
     /// To one side, by the cosine to this unit normal.
     About(Vec3),
+    /// Into a cone: the unit axis and the half angle, at least pi / 2 to all sides. \[rad\]
+    Within(Vec3, f32),
     /// To all sides.
     AllAround,
     /// From directions.
@@ -172,6 +188,10 @@ impl Emitters {
                 Emitter::Point { position, intensity } => {
                     (Sampler::Point { position, intensity }, intensity.luminance() as f64 * 4.0 * std::f64::consts::PI)
                 }
+                Emitter::Spot { position, intensity, spot } => {
+                    let power = intensity.luminance() as f64 * spot.solid_angle() as f64;
+                    (Sampler::Spot { position, intensity, spot }, power)
+                }
                 Emitter::Directional { direction, irradiance } => {
                     (Sampler::Directional { direction, irradiance }, irradiance.luminance() as f64 * disc)
                 }
@@ -214,7 +234,9 @@ impl Emitters {
                 },
                 |sides| sides.outside,
             ),
-            Sampler::Point { position, .. } => near(*position, Vec3::new(0.48, 0.6, 0.64)),
+            Sampler::Point { position, .. } | Sampler::Spot { position, .. } => {
+                near(*position, Vec3::new(0.48, 0.6, 0.64))
+            }
             Sampler::Directional { .. } | Sampler::Constant { .. } | Sampler::Environment(_) => far,
         };
         self.samplers.iter().map(of).collect()
@@ -234,6 +256,10 @@ impl Emitters {
                 }
                 Sampler::Constant { radiance } => all.extend([3.0].into_iter().chain(radiance.to_array())),
                 Sampler::Environment(map) => all.extend([4.0].into_iter().chain(map.numbers())),
+                Sampler::Spot { position, intensity, spot } => {
+                    all.extend([5.0].into_iter().chain(position.to_array()).chain(intensity.to_array()));
+                    all.extend(spot.axis().to_array().into_iter().chain([spot.cutoff(), spot.beam()]));
+                }
             }
         }
         all
@@ -243,6 +269,7 @@ impl Emitters {
         self.samplers.iter().map(|sampler| match sampler {
             Sampler::Area { .. } => "area",
             Sampler::Point { .. } => "point",
+            Sampler::Spot { .. } => "spot",
             Sampler::Directional { .. } => "directional",
             Sampler::Constant { .. } => "constant",
             Sampler::Environment(_) => "envmap",
@@ -332,7 +359,7 @@ impl Emitters {
             }
             Sampler::Environment(map) => Some(map.pdf_sa(to_infinity)),
             Sampler::Constant { .. } => Some(INV_4PI),
-            Sampler::Point { .. } | Sampler::Directional { .. } => None,
+            Sampler::Point { .. } | Sampler::Spot { .. } | Sampler::Directional { .. } => None,
         }
     }
     /// The emitters piece by piece: each triangle of a mesh, each other shape, each source that is no shape. What does not shine is
@@ -368,6 +395,10 @@ impl Emitters {
                 }
                 Sampler::Point { position, intensity } => {
                     add(whole, Aabb::point(*position), PartAxis::AllAround, luminance(*intensity))
+                }
+                Sampler::Spot { position, intensity, spot } => {
+                    let axis = PartAxis::Within(spot.axis(), spot.cutoff());
+                    add(whole, Aabb::point(*position), axis, luminance(*intensity))
                 }
                 Sampler::Directional { direction, irradiance } => {
                     add(whole, Aabb::point(-*direction), PartAxis::FromInfinity, luminance(*irradiance))
@@ -416,6 +447,9 @@ impl Emitters {
             Sampler::Point { position, intensity } => {
                 made(EmitterPoint::Isotropic, *position, *intensity * (4.0 * PI / pmf), None)
             }
+            Sampler::Spot { position, intensity, spot } => {
+                made(EmitterPoint::Spot(*spot), *position, *intensity * (spot.solid_angle() / pmf), None)
+            }
             Sampler::Directional { direction, irradiance } => made(
                 EmitterPoint::Distant { towards: -*direction, disc: self.disc() },
                 self.world.0,
@@ -459,6 +493,7 @@ impl Emitters {
                 (Ray::new(offset_from(start.vertex.p, n, error, dir), dir), start.flux)
             }
             EmitterPoint::Isotropic => (Ray::new(start.vertex.p, warp::sphere(s.next_2d())), start.flux),
+            EmitterPoint::Spot(spot) => (Ray::new(start.vertex.p, spot.sample(s.next_2d())), start.flux),
             EmitterPoint::Distant { towards, disc } => {
                 let (centre, radius) = self.world;
                 let (frame, d) = (Frame::around(towards), warp::disc(s.next_2d()) * radius);
@@ -471,11 +506,12 @@ impl Emitters {
 }
 
 impl EmitterPoint {
-    /// Normalised emission: 1/pi, 1/(4 pi), or 1 for light from infinity; without a cosine. [1/sr]
-    pub(crate) fn lobe(&self) -> f32 {
+    /// Largest normalised emission: 1/pi, 1/(4 pi), or 1 for light from infinity; without a cosine. [1/sr]
+    pub(crate) fn peak(&self) -> f32 {
         match self {
             EmitterPoint::Lambert { .. } => INV_PI,
             EmitterPoint::Isotropic => INV_4PI,
+            EmitterPoint::Spot(spot) => spot.peak(),
             EmitterPoint::Distant { .. } => 1.0,
         }
     }

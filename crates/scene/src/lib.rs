@@ -36,6 +36,7 @@ mod material;
 mod media;
 mod relief;
 mod scene;
+mod spot;
 mod texture;
 mod vertex;
 
@@ -53,5 +54,6 @@ pub use material::{Material, MaterialId, Model, PrincipledSources};
 pub use media::{Boundary, Run};
 pub use relief::Relief;
 pub use scene::{Scene, SceneBuilder, SceneError, Shape, ShapeId};
+pub use spot::Spot;
 pub use texture::{Bitmap, Source, Texture, TextureFilter, TextureId, Wrap};
 pub use vertex::{Edge, EmitterPoint, End, MediumPoint, Scatter, Sides, Span, SurfacePoint, Vertex, VertexSample};

@@ -196,6 +196,7 @@ impl SceneBuilder {
         for e in &self.emitters {
             let (valid, surrounds) = match e {
                 Emitter::Point { position, intensity } => (position.is_finite() && intensity.is_valid(), false),
+                Emitter::Spot { position, intensity, .. } => (position.is_finite() && intensity.is_valid(), false),
                 Emitter::Directional { direction, irradiance } => {
                     ((direction.length() - 1.0).abs() < 1e-3 && irradiance.is_valid(), false)
                 }
@@ -206,6 +207,7 @@ impl SceneBuilder {
             if !valid {
                 let kind = match e {
                     Emitter::Point { .. } => "a point light",
+                    Emitter::Spot { .. } => "a spot light",
                     Emitter::Directional { .. } => "a directional light",
                     Emitter::Constant { .. } => "the constant light around the scene",
                     Emitter::Environment(_) => "the environment map",

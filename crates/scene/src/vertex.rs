@@ -1,5 +1,6 @@
 //! The two kinds of ends: a vertex (a point that scatters or emits) and a span (a straight run through a medium).
 
+use crate::Spot;
 use manylight_bsdf::{Bsdf, Lobe, Mode};
 use manylight_geometry::{Surface, offset_from};
 
@@ -127,6 +128,8 @@ pub enum EmitterPoint {
     },
     /// A point that shines the same to all directions.
     Isotropic,
+    /// A point that shines into a cone.
+    Spot(Spot),
     /// Infinitely far away; the vertex's position is of no meaning.
     Distant {
         /// Unit, to where the light comes from.
@@ -249,7 +252,8 @@ impl Vertex {
             }
             Scatter::Medium(x) => x.scattering * x.phase.eval(x.wi, w),
             Scatter::Emitter(EmitterPoint::Lambert { n, .. }) if !(n.dot(w) > 0.0) => Spectrum::BLACK,
-            Scatter::Emitter(point) => Spectrum::gray(point.lobe()),
+            Scatter::Emitter(EmitterPoint::Spot(spot)) => Spectrum::gray(spot.lobe(w)),
+            Scatter::Emitter(point) => Spectrum::gray(point.peak()),
         }
     }
     /// This vertex's part of G: a cosine on a surface, one elsewhere.
@@ -370,7 +374,7 @@ impl Vertex {
                 let f = x.scattering.largest() * x.phase.largest();
                 Lobe { with_cosine: f, without_cosine: f }
             }
-            Scatter::Emitter(point) => Lobe { with_cosine: point.lobe(), without_cosine: point.lobe() },
+            Scatter::Emitter(point) => Lobe { with_cosine: point.peak(), without_cosine: point.peak() },
         }
     }
 }

@@ -6,7 +6,7 @@ use manylight_math::{DAffine3, DVec3, Frame, INV_4PI, Ray, Spectrum, Vec3};
 use manylight_sampling::{Purpose, Stream, warp};
 use manylight_scene::{
     Bitmap, Camera, Emitter, EmitterPoint, Environment, Material, Mode, Model, Scatter, Scene, SceneBuilder, Shape,
-    Source,
+    Source, Spot,
 };
 use manylight_stats::{Alternative, MeanTest, Moments, chi2_goodness_of_fit};
 use std::f32::consts::PI;
@@ -47,12 +47,15 @@ fn one_of_each() -> (Scene, Vec<f64>) {
         b.emitter(Emitter::Point { position: Vec3::X, intensity: Spectrum::gray(0.3) });
         b.emitter(Emitter::Directional { direction: Vec3::NEG_Y, irradiance: Spectrum::gray(0.02) });
         b.emitter(Emitter::Constant { radiance: Spectrum::gray(0.003) });
+        let spot = Spot::new(Vec3::Z, 0.8, 0.8).unwrap();
+        b.emitter(Emitter::Spot { position: Vec3::Y, intensity: Spectrum::gray(5.0), spot });
     });
     let pi = std::f64::consts::PI;
     let disc = pi * (scene.bounds().radius() as f64 * 1.0001).powi(2);
     let powers =
         [0.01 * pi * area, 0.5 * pi * pi, 0.7 * pi * pi * 0.49, 0.3 * 4.0 * pi, 0.02 * disc, 0.003 * 4.0 * pi * disc];
-    (scene, powers.to_vec())
+    let powers = [&powers[..], &[5.0 * 2.0 * pi * (1.0 - 0.8f64.cos())]].concat();
+    (scene, powers)
 }
 
 #[test]
@@ -60,14 +63,14 @@ fn emitters_are_drawn_by_their_power_and_say_so() {
     let (scene, powers) = one_of_each();
     let emitters = scene.emitters();
     let total: f64 = powers.iter().sum();
-    assert_eq!(emitters.len(), 6);
+    assert_eq!(emitters.len(), 7);
     assert!((emitters.power() / total - 1.0).abs() < 1e-5, "{} {total}", emitters.power());
     for (i, power) in powers.iter().enumerate() {
         assert!((emitters.pmf(i as u32) as f64 / (power / total) - 1.0).abs() < 1e-5, "emitter {i}");
     }
     let (mut s, n) = (stream(1), 100_000);
-    let mut seen = vec![0u64; 6];
-    let mut flux = [0.0f64; 6];
+    let mut seen = vec![0u64; 7];
+    let mut flux = [0.0f64; 7];
     for _ in 0..n {
         let e = scene.sample_emission(&mut s).unwrap();
         seen[e.start.emitter as usize] += 1;
@@ -77,7 +80,7 @@ fn emitters_are_drawn_by_their_power_and_say_so() {
     let expected: Vec<f64> = powers.iter().map(|p| p / total * n as f64).collect();
     assert!(chi2_goodness_of_fit(&seen, &expected, 0).p_value > 0.001, "{seen:?} {expected:?}");
     // Rays carry the power of their emitter: all with the same flux, so that only the count of them is random.
-    for i in 0..6 {
+    for i in 0..7 {
         let of_one = flux[i] * n as f64 / seen[i] as f64 * emitters.pmf(i as u32) as f64;
         assert!((of_one / powers[i] - 1.0).abs() < 1e-4, "emitter {i}: {of_one} W, not {}", powers[i]);
     }

@@ -11,7 +11,8 @@ use std::f32::consts::PI;
 pub struct Cluster {
     /// Of positions; of directions, where the light comes from infinity; empty if there are both. \[m\]
     pub bounds: Aabb,
-    /// Unit, of the cone; zero for light from infinity.
+    /// Unit, of the cone; zero for light from infinity. What is emitted at an angle a from it is at most `peak` cos(max(0, a - half
+    /// angle)): a spot light's own cone is one of axes.
     pub axis: Vec3,
     /// Cosine of the cone's half angle, rounded down; -1 where a light shines to all sides.
     pub cos_half: f32,
@@ -115,6 +116,7 @@ impl Vpl {
         match &self.vertex.scatter {
             Scatter::Surface(x) => x.ng * x.ng.dot(x.wi).signum(),
             Scatter::Emitter(EmitterPoint::Lambert { n, .. }) => *n,
+            Scatter::Emitter(EmitterPoint::Spot(spot)) => spot.axis(),
             Scatter::Emitter(EmitterPoint::Distant { .. }) => Vec3::ZERO,
             // To all sides, about any axis.
             Scatter::Medium(_) | Scatter::Emitter(EmitterPoint::Isotropic) => Vec3::Z,
@@ -124,6 +126,7 @@ impl Vpl {
         match &self.vertex.scatter {
             Scatter::Surface(x) => !x.bsdf.is_one_sided(),
             Scatter::Medium(_) | Scatter::Emitter(EmitterPoint::Isotropic) => true,
+            Scatter::Emitter(EmitterPoint::Spot(spot)) => spot.cutoff() >= 0.5 * PI,
             Scatter::Emitter(_) => false,
         }
     }
@@ -157,6 +160,7 @@ impl Clustered for Vpl {
             Scatter::Surface(x) if !x.bsdf.is_one_sided() => 2,
             Scatter::Surface(x) => !matches!(x.bsdf, manylight_bsdf::Bsdf::Diffuse(_)) as u32,
             Scatter::Emitter(EmitterPoint::Lambert { .. }) => 0,
+            Scatter::Emitter(EmitterPoint::Spot(_)) => 2 * self.shines_to_all_sides() as u32,
             Scatter::Emitter(EmitterPoint::Distant { .. }) => 3,
             Scatter::Medium(_) | Scatter::Emitter(EmitterPoint::Isotropic) => 2,
         }
@@ -167,7 +171,11 @@ impl Clustered for Vpl {
         Cluster {
             bounds: Aabb::point(self.position()),
             axis: self.side(),
-            cos_half: if self.shines_to_all_sides() { -1.0 } else { 1.0 },
+            cos_half: match self.vertex.scatter {
+                _ if self.shines_to_all_sides() => -1.0,
+                Scatter::Emitter(EmitterPoint::Spot(spot)) => spot.cutoff().cos() - SLACK,
+                _ => 1.0,
+            },
             intensity: self.mean_intensity(peak),
             peak,
         }

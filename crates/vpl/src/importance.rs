@@ -88,7 +88,7 @@ impl Importons {
 
 /// The vertices at which an eye path gathers: the first that scatters, and those before it that have delta or sharp lobes besides.
 fn trace(scene: &Scene, at: Vec2, sharp: f32, s: &mut Stream, probe: &mut Probe, points: &mut Vec<Importon>) {
-    let (mut ray, mut throughput) = (scene.camera().ray(at), Spectrum::ONE);
+    let (mut ray, mut throughput) = (scene.camera().sample_ray(at, s), Spectrum::ONE);
     for _ in 0..MOST_EDGES {
         probe.path_rays += 1;
         let Some(vertex) = scene.intersect(&ray, Mode::Radiance) else { return };

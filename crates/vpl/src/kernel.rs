@@ -80,8 +80,11 @@ impl Kernel<Span, Vpl> for Points {
                     let w = at.direction.as_vec3();
                     f64::from(r.phase.eval(-r.ray.dir, -w) * y.eval(w).luminance())
                 };
-                let axis =
-                    y.normal().unwrap_or_else(|| if let Scatter::Medium(m) = &y.scatter { -m.wi } else { Vec3::Z });
+                let axis = y.normal().unwrap_or(match &y.scatter {
+                    Scatter::Medium(m) => -m.wi,
+                    Scatter::Emitter(EmitterPoint::Spot(spot)) => spot.axis(),
+                    _ => Vec3::Z,
+                });
                 along = along.following(lobe, along.nearest(axis.as_dvec3()));
             }
             let drawn = along.sample(s.next_f64());

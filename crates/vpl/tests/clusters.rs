@@ -6,7 +6,7 @@ use manylight_geometry::Surface;
 use manylight_math::{Aabb, Frame, MediumId, Spectrum, Vec2, Vec3};
 use manylight_media::HenyeyGreenstein;
 use manylight_sampling::{Purpose, Stream, warp};
-use manylight_scene::{EmitterPoint, MediumPoint, Mode, Scatter, SurfacePoint, Vertex};
+use manylight_scene::{EmitterPoint, MediumPoint, Mode, Scatter, Spot, SurfacePoint, Vertex};
 use manylight_vpl::{Cluster, Points, Vpl, connect_vertices};
 
 fn stream(seed: u64) -> Stream {
@@ -61,7 +61,7 @@ fn medium(p: Vec3, s: &mut Stream) -> Vertex {
         }),
     }
 }
-const KINDS: [&str; 5] = ["surface", "medium", "lambert", "isotropic", "distant"];
+const KINDS: [&str; 6] = ["surface", "medium", "lambert", "isotropic", "spot", "distant"];
 fn any_light(kind: usize, p: Vec3, n: Vec3, s: &mut Stream) -> Vpl {
     let emitter = |point| Vertex { p, scatter: Scatter::Emitter(point) };
     let vertex = match KINDS[kind] {
@@ -69,6 +69,10 @@ fn any_light(kind: usize, p: Vec3, n: Vec3, s: &mut Stream) -> Vpl {
         "medium" => medium(p, s),
         "lambert" => emitter(EmitterPoint::Lambert { n, error: 1e-6 }),
         "isotropic" => emitter(EmitterPoint::Isotropic),
+        "spot" => {
+            let cutoff = 0.01 + 3.1 * s.next_f32();
+            emitter(EmitterPoint::Spot(Spot::new(n, cutoff, cutoff * s.next_f32()).unwrap()))
+        }
         _ => emitter(EmitterPoint::Distant { towards: n, disc: 3.0 }),
     };
     Vpl { vertex, flux: colour(s) * 10f32.powf(4.0 * s.next_f32() - 2.0), edges: 1 }
@@ -207,7 +211,7 @@ fn lights_of_one_point_are_bounded_by_what_they_give() {
 #[test]
 fn light_from_infinity_and_from_here_share_no_bound() {
     let mut s = stream(7);
-    let (near, far) = (any_light(2, Vec3::ONE, Vec3::Z, &mut s), any_light(4, Vec3::ZERO, Vec3::Z, &mut s));
+    let (near, far) = (any_light(2, Vec3::ONE, Vec3::Z, &mut s), any_light(5, Vec3::ZERO, Vec3::Z, &mut s));
     let both = Vpl::merge(&near.cluster(), &far.cluster());
     assert!(both.holds(&near.cluster()) && both.holds(&far.cluster()));
     let x = any_receiver(&[near], &mut s);

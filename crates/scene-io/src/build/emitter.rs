@@ -6,11 +6,10 @@ use crate::diagnostic::At;
 use crate::document::{Class, ObjectId, refuse_plugin};
 use crate::query::Query;
 use manylight_math::{DAffine3, DMat3, DVec3};
-use manylight_scene::{Emitter, Environment, Source};
+use manylight_scene::{Emitter, Environment, Source, Spot};
 
-const EMITTERS: [&str; 5] = ["area", "point", "directional", "constant", "envmap"];
-const MITSUBA: [&str; 8] =
-    ["spot", "projector", "sunsky", "sun", "sky", "timed_sunsky", "directionalarea", "volumelight"];
+const EMITTERS: [&str; 6] = ["area", "point", "spot", "directional", "constant", "envmap"];
+const MITSUBA: [&str; 7] = ["projector", "sunsky", "sun", "sky", "timed_sunsky", "directionalarea", "volumelight"];
 
 impl<'a> Builder<'a> {
     /// The emitters beside the shapes.
@@ -47,6 +46,7 @@ impl<'a> Builder<'a> {
                 let intensity = self.colour(&q, "intensity", 1.0, Range::Emission);
                 position.map(|p| Emitter::Point { position: p.as_vec3(), intensity })
             }
+            "spot" => self.spot(&q),
             "directional" => {
                 let direction = self.direction(&q);
                 let irradiance = self.colour(&q, "irradiance", 1.0, Range::Emission);
@@ -65,6 +65,29 @@ impl<'a> Builder<'a> {
         };
         q.finish();
         emitter
+    }
+
+    fn spot(&mut self, q: &Query<'a>) -> Option<Emitter> {
+        if let Some(p) = q.get("texture") {
+            self.report.error(p.at, "`texture` of a `spot` is not supported: its light has one colour");
+        }
+        let intensity = self.colour(q, "intensity", 1.0, Range::Emission);
+        let cutoff = q.float("cutoff_angle", 20.0);
+        let beam = q.float("beam_width", 0.75 * cutoff);
+        let at = q.get("cutoff_angle").map_or(q.object.at, |p| p.value_at);
+        if !(0.1..=180.0).contains(&cutoff) {
+            self.report.error(at, format!("`cutoff_angle` must lie between 0.1 and 180 degrees, not {cutoff}"));
+            return None;
+        }
+        if !(0.0..=cutoff).contains(&beam) {
+            let at = q.get("beam_width").map_or(at, |p| p.value_at);
+            self.report.error(at, format!("`beam_width` must lie between 0 and `cutoff_angle`, not {beam}"));
+            return None;
+        }
+        let (to_world, _) = q.to_world();
+        let axis = to_world.transform_vector3(DVec3::Z).try_normalize()?.as_vec3();
+        let spot = Spot::new(axis, cutoff.to_radians() as f32, beam.to_radians() as f32)?;
+        Some(Emitter::Spot { position: to_world.translation.as_vec3(), intensity, spot })
     }
 
     fn one_of(&self, q: &Query, name: &str) {

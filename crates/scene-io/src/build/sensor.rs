@@ -4,11 +4,10 @@ use super::Builder;
 use crate::document::{Class, ObjectId, refuse_plugin};
 use crate::query::Query;
 use manylight_math::{DAffine3, DVec3, MediumId};
-use manylight_scene::{Camera, Filter};
+use manylight_scene::{Camera, Filter, SceneError};
 
-const SENSORS: [&str; 1] = ["perspective"];
-const MITSUBA_SENSORS: [&str; 8] =
-    ["thinlens", "orthographic", "radiancemeter", "irradiancemeter", "distant", "batch", "sphere", "measure"];
+const SENSORS: [&str; 3] = ["perspective", "thinlens", "orthographic"];
+const MITSUBA_SENSORS: [&str; 6] = ["radiancemeter", "irradiancemeter", "distant", "batch", "sphere", "measure"];
 const MITSUBA_FILMS: [&str; 1] = ["specfilm"];
 const FILTERS: [&str; 6] = ["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"];
 /// Film of 24 x 36 mm, which `focal_length` refers to.
@@ -41,7 +40,8 @@ impl<'a> Builder<'a> {
 
     fn sensor(&mut self, id: ObjectId) {
         let q = self.query(id);
-        if q.object.plugin != "perspective" {
+        let plugin = q.object.plugin.as_str();
+        if !SENSORS.contains(&plugin) {
             refuse_plugin(q.object, &SENSORS, &MITSUBA_SENSORS, self.report);
             return;
         }
@@ -51,21 +51,54 @@ impl<'a> Builder<'a> {
         q.ignore(&["near_clip", "far_clip", "shutter_open", "shutter_close"]);
         let size = self.film(&q);
         let size = self.options.size.unwrap_or(size);
-        let fov = self.horizontal_fov(&q, f64::from(size.0) / f64::from(size.1.max(1)));
-        let offset = ["principal_point_offset_x", "principal_point_offset_y"].map(|name| q.float(name, 0.0));
         let (to_world, at) = q.to_world();
-        if !is_rigid(&to_world) {
-            self.report.error(at, "the `to_world` of a camera cannot scale or shear");
-        }
+        let camera = if plugin == "orthographic" {
+            if !has_right_angles(&to_world) {
+                self.report.error(at, "the `to_world` of a camera cannot shear");
+            }
+            // Where the sharp plane would be says nothing here.
+            q.ignore(&["focus_distance"]);
+            Some(Camera::orthographic(to_world, size))
+        } else {
+            if !is_rigid(&to_world) {
+                self.report.error(at, "the `to_world` of a camera cannot scale or shear");
+            }
+            self.perspective(&q, to_world, size)
+        };
         let medium = q.child(Class::Medium).map_or(Some(MediumId::VACUUM), |id| self.medium(id));
         let (name, type_at) = (q.name(), q.object.plugin_at);
         q.finish();
-        let Some(fov) = fov else { return };
-        match Camera::perspective_shifted(to_world, fov, size, offset) {
+        let Some(camera) = camera else { return };
+        match camera {
             // A medium that is wrong is in the report.
             Ok(camera) => self.scene.camera(camera.within(medium.unwrap_or(MediumId::VACUUM))),
             Err(e) => self.report.error(type_at, format!("{name}: {e}")),
         }
+    }
+
+    /// Of a pinhole, or of a `thinlens`. `None` if its angle is wrong.
+    fn perspective(&self, q: &Query, to_world: DAffine3, size: (u32, u32)) -> Option<Result<Camera, SceneError>> {
+        let fov = self.horizontal_fov(q, f64::from(size.0) / f64::from(size.1.max(1)));
+        let lens = (q.object.plugin == "thinlens").then(|| {
+            if !q.has("aperture_radius") && !q.object.broken {
+                q.error("`thinlens` needs an `aperture_radius` (<float>)");
+            }
+            (q.positive("aperture_radius", 1.0) as f32, q.positive("focus_distance", q.float("far_clip", 1e4)) as f32)
+        });
+        if lens.is_none() {
+            q.ignore(&["focus_distance"]);
+        }
+        // A lens has its principal point in the middle.
+        let offset = if lens.is_some() {
+            [0.0; 2]
+        } else {
+            ["principal_point_offset_x", "principal_point_offset_y"].map(|name| q.float(name, 0.0))
+        };
+        let camera = Camera::perspective_shifted(to_world, fov?, size, offset);
+        Some(match lens {
+            Some((radius, focus)) => camera.and_then(|c| c.with_lens(radius, focus)),
+            None => camera,
+        })
     }
 
     /// In degrees. `None` if it is wrong.
@@ -178,11 +211,14 @@ fn to_horizontal(fov: f64, axis: Axis, aspect: f64) -> f64 {
 fn is_rigid(t: &DAffine3) -> bool {
     let m = t.matrix3;
     let unit = |v: DVec3| (v.length_squared() - 1.0).abs() < 1e-3;
-    let right = |a: DVec3, b: DVec3| a.dot(b).abs() < 1e-3;
-    [m.x_axis, m.y_axis, m.z_axis].into_iter().all(unit)
-        && right(m.x_axis, m.y_axis)
-        && right(m.y_axis, m.z_axis)
-        && right(m.z_axis, m.x_axis)
+    [m.x_axis, m.y_axis, m.z_axis].into_iter().all(unit) && has_right_angles(t)
+}
+
+/// Axes at right angles?
+fn has_right_angles(t: &DAffine3) -> bool {
+    let m = t.matrix3;
+    let right = |a: DVec3, b: DVec3| a.dot(b).abs() < 1e-3 * a.length() * b.length();
+    right(m.x_axis, m.y_axis) && right(m.y_axis, m.z_axis) && right(m.z_axis, m.x_axis)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::{Builder, filename};
 use crate::assets::Kind;
 use crate::diagnostic::At;
-use crate::document::{Class, ObjectId, refuse_plugin};
+use crate::document::{Class, ObjectId, Property, Value, refuse_plugin};
 use crate::mesh::{self, Placement, RawMesh};
 use crate::query::Query;
 use manylight_geometry::{Disk, ShapeGeometry, Sphere, TriangleMesh};
@@ -11,9 +11,9 @@ use manylight_math::{DAffine3, DVec3, Frame, Vec2};
 use manylight_scene::{Boundary, MaterialId, Shape, Sides, Source};
 use rayon::prelude::*;
 
-const SHAPES: [&str; 9] = ["obj", "ply", "rectangle", "cube", "sphere", "disk", "cylinder", "shapegroup", "instance"];
-const MITSUBA: [&str; 8] =
-    ["serialized", "bsplinecurve", "linearcurve", "sdfgrid", "merge", "ellipsoids", "ellipsoidsmesh", "mesh"];
+const SHAPES: [&str; 11] =
+    ["obj", "ply", "serialized", "rectangle", "cube", "sphere", "disk", "cylinder", "shapegroup", "instance", "merge"];
+const MITSUBA: [&str; 6] = ["bsplinecurve", "linearcurve", "sdfgrid", "ellipsoids", "ellipsoidsmesh", "mesh"];
 
 /// Instances are copied out: more triangles than this are more than they are meant for.
 const MOST_TRIANGLES: usize = 50_000_000;
@@ -52,6 +52,8 @@ impl<'a> Builder<'a> {
         if shapes.is_empty() && !scene.object.broken {
             self.report.error(scene.object.at, "the scene has no shapes");
         }
+        // What is merged renders as if it stood beside.
+        let shapes: Vec<_> = shapes.into_iter().flat_map(|shape| self.unmerged(shape)).collect();
         let mut plans: Vec<Plan> = Vec::new();
         let mut triangles = 0;
         for (id, p) in &shapes {
@@ -73,6 +75,25 @@ impl<'a> Builder<'a> {
         for (plan, placed) in plans.into_iter().zip(placed) {
             self.place(plan, placed);
         }
+    }
+
+    /// A shape, or those inside a `merge`, which says that they may be one.
+    fn unmerged(&self, shape: (ObjectId, &'a Property)) -> Vec<(ObjectId, &'a Property)> {
+        if self.document.object(shape.0).plugin != "merge" {
+            return vec![shape];
+        }
+        let q = self.query(shape.0);
+        let inside = q.children(Class::Shape);
+        if inside.is_empty() && !q.object.broken {
+            q.error("a `merge` needs shapes inside it");
+        }
+        q.finish();
+        let (merges, others): (Vec<_>, Vec<_>) =
+            inside.into_iter().partition(|shape| self.document.object(shape.0).plugin == "merge");
+        if let Some((_, p)) = merges.first() {
+            self.report.error(p.at, "a `merge` cannot hold `merge`");
+        }
+        others
     }
 
     fn place(&mut self, plan: Plan<'a>, placed: Result<(Option<ShapeGeometry>, usize), String>) {
@@ -120,7 +141,7 @@ impl<'a> Builder<'a> {
         let mut plans = Vec::new();
         for (member, p) in members {
             let object = self.document.object(member);
-            if matches!(object.plugin.as_str(), "shapegroup" | "instance") {
+            if matches!(object.plugin.as_str(), "shapegroup" | "instance" | "merge") {
                 self.report.error(p.at, format!("a `shapegroup` cannot hold `{}`", object.plugin));
             } else if object.properties.iter().any(|p| self.class_of(&p.value) == Some(Class::Emitter)) {
                 self.report.error(p.at, "a shape inside a `shapegroup` cannot shine: write it beside the group");
@@ -144,9 +165,9 @@ impl<'a> Builder<'a> {
             _ => Vec::new(),
         }
     }
-    fn class_of(&self, value: &crate::document::Value) -> Option<Class> {
+    fn class_of(&self, value: &Value) -> Option<Class> {
         match value {
-            crate::document::Value::Object(id) => Some(self.document.object(*id).class),
+            Value::Object(id) => Some(self.document.object(*id).class),
             _ => None,
         }
     }
@@ -178,7 +199,7 @@ impl<'a> Builder<'a> {
         let sides = self.sides(&q);
         let geometry = self.geometry(&q, outer);
         let file = match q.object.value("filename") {
-            Some(crate::document::Value::Text(file)) => Some(file.clone()),
+            Some(Value::Text(file)) => Some(file.clone()),
             _ => None,
         };
         let name = q.object.id.clone().or(file).unwrap_or_else(|| q.object.plugin.clone());
@@ -223,9 +244,17 @@ impl<'a> Builder<'a> {
             }
             plugin => {
                 // Image rows run downwards, and so does v: OBJ files count it upwards.
-                let (kind, flip_v) = if plugin == "obj" { (Kind::Obj, true) } else { (Kind::Ply, false) };
+                let (kind, flip_v) = match plugin {
+                    "obj" => (Kind::Obj, true),
+                    "ply" => (Kind::Ply, false),
+                    _ => (Kind::Serialized(q.integer("shape_index", 0..=i64::from(u32::MAX), 0) as u32), false),
+                };
+                if matches!(q.object.value("shape_index"), Some(Value::Integer(i)) if u32::try_from(*i).is_err()) {
+                    q.ignore(&["filename", "face_normals"]); // There is no such mesh: said already.
+                    return None;
+                }
                 let face_normals = q.boolean("face_normals", false);
-                let flip_v = q.boolean("flip_tex_coords", flip_v);
+                let flip_v = if plugin == "serialized" { false } else { q.boolean("flip_tex_coords", flip_v) };
                 let (name, at) = filename(q)?;
                 return match self.assets.mesh(name, kind) {
                     Ok(raw) => Some(Planned::Mesh(raw, Placement { to_world, face_normals, flip_normals, flip_v }, at)),

@@ -4,6 +4,7 @@ use super::{Builder, filename};
 use crate::diagnostic::At;
 use crate::document::{ObjectId, Property, Value, refuse_plugin};
 use crate::query::Query;
+use crate::spectrum;
 use glam::{Affine2, DMat2};
 use manylight_math::{DAffine3, Spectrum};
 use manylight_scene::{Source, Texture, TextureFilter, TextureId, Wrap};
@@ -50,6 +51,7 @@ impl<'a> Builder<'a> {
             Value::Integer(i) => [i as f64; 3],
             Value::Spectrum(x) if range == Range::Emission => EQUAL_ENERGY.map(|e| e * x),
             Value::Spectrum(x) => [x; 3],
+            Value::Table(ref table) => self.in_gamut(spectrum::to_rgb(table, range == Range::Emission), range, p),
             Value::Reference(_) => return None,
             ref other => {
                 let tag = q.tag_of(other);
@@ -72,6 +74,18 @@ impl<'a> Builder<'a> {
             return None;
         }
         Some(Spectrum::from(rgb.map(|c| c as f32)))
+    }
+
+    /// A spectrum may be outside of what three colours can say: as in Mitsuba it is clamped, and said.
+    fn in_gamut(&self, rgb: [f64; 3], range: Range, p: &Property) -> [f64; 3] {
+        let most = if range == Range::Reflectance { 1.0 } else { f64::INFINITY };
+        let inside = rgb.map(|c| c.clamp(0.0, most));
+        // A white one is off by the steps of its integral.
+        if rgb.iter().zip(inside).any(|(a, b)| (a - b).abs() > 2e-3) {
+            let shown = rgb.map(|c| format!("{c:.3}")).join(" ");
+            self.report.warn(p.value_at, format!("this spectrum is no colour of Rec. 709 ({shown}): it is clamped"));
+        }
+        inside
     }
 
     /// A texture; one that is named twice is made once.

@@ -1,7 +1,8 @@
-//! Triangle meshes from files: reading (`obj`, `ply`), then placing in the world.
+//! Triangle meshes from files: reading (`obj`, `ply`, `serialized`), then placing in the world.
 
 pub(crate) mod obj;
 pub(crate) mod ply;
+pub(crate) mod serialized;
 
 use manylight_geometry::TriangleMesh;
 use manylight_math::{DAffine3, Vec2, Vec3};
