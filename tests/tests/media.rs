@@ -87,7 +87,7 @@ fn light_scattered_again_is_what_the_fluence_says() {
     let truth = [4.3381603619e-3; 3];
     holds("orders", &scene, "media-vpl", &["min-depth=3", "bound=none", "paths=512"], 128, truth);
     for rays in ["rays=short", "rays=long"] {
-        holds("orders", &scene, "vrl", &["min-depth=3", "paths=512", rays], 128, truth);
+        holds("orders", &scene, "vrl", &["min-depth=3", "bound=none", "paths=512", rays], 128, truth);
     }
 }
 
@@ -234,15 +234,15 @@ fn bounded_point_lights_in_fog_are_the_bounded_path_tracer() {
 fn ray_lights_in_fog_are_the_path_tracer() {
     for g in [0.0, 0.6] {
         let scene = foggy_room(g);
-        let vrl = ["min-depth=3", "paths=64"];
+        let vrl = ["min-depth=3", "bound=none", "paths=64"];
         agree("fog", &scene, ("vrl", &vrl, 64), ("path", &["min-depth=3", "spp=64"], 64));
     }
     let scene = foggy_room(-0.5);
     let path = ("path", &["min-depth=3", "spp=64"][..], 64);
     for more in [&["rays=long"][..], &["lights=power", "samples=32"]] {
-        agree("fog", &scene, ("vrl", &[&["min-depth=3", "paths=64"], more].concat(), 64), path);
+        agree("fog", &scene, ("vrl", &[&["min-depth=3", "bound=none", "paths=64"], more].concat(), 64), path);
     }
-    let direct = ["max-depth=2", "paths=64", "direct=virtual"];
+    let direct = ["max-depth=2", "bound=none", "paths=64", "direct=virtual"];
     agree("fog", &scene, ("vrl", &direct, 64), ("path", &["max-depth=2", "spp=64"], 64));
 }
 
@@ -356,7 +356,7 @@ fn lights_in_smoke_are_the_path_tracer() {
     let scene = smoky_cube();
     let path = ("path", &["min-depth=3", "spp=64"][..], 64);
     for rays in ["rays=short", "rays=long"] {
-        agree("smoke", &scene, ("vrl", &["min-depth=3", "paths=48", rays], 64), path);
+        agree("smoke", &scene, ("vrl", &["min-depth=3", "bound=none", "paths=48", rays], 64), path);
     }
     let direct = ["max-depth=2", "direct=only", "spp=16"];
     agree("smoke", &scene, ("media-vpl", &direct, 64), ("path", &["max-depth=2", "spp=64"], 64));

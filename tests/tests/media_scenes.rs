@@ -29,7 +29,7 @@ fn our_scenes_with_media_are_mitsubas() {
         assert!(verdict.passes(), "{name}: {verdict}");
         // Point lights on surfaces are not bounded: where the camera sees corners, there is no verdict to be had.
         let Some(paths) = paths else { continue };
-        let vrl = [paths, "lights=power", "samples=4"];
+        let vrl = [paths, "bound=none", "lights=power", "samples=4"];
         let verdict = against(&scene, &reference, "vrl", &vrl, passes, 1);
         println!("{name}, vrl: {verdict}");
         assert!(verdict.passes(), "{name}: {verdict}");

@@ -46,13 +46,6 @@ const RAYS: &[Param] = &[
         "where ray lights end: where their light path collided, or at the next surface",
     ),
     Param::new(
-        "bound",
-        Kind::NumberOr(&["none"]),
-        "none",
-        "largest geometry term cos cos / d^2 between the points of a pair",
-    )
-    .unit("1/m^2"),
-    Param::new(
         "direct",
         Kind::Choice(&["sampled", "virtual"]),
         "sampled",
@@ -61,7 +54,7 @@ const RAYS: &[Param] = &[
 ];
 
 /// Of `vrl`.
-pub(crate) const VRL: &[&[Param]] = &[PARAMS, RAYS, sharp::PARAMS];
+pub(crate) const VRL: &[&[Param]] = &[PARAMS, RAYS, bound::PARAMS, sharp::PARAMS];
 
 pub(crate) fn rays(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
     let power = Power { samples: v.integer("samples")? as u32 };
@@ -84,13 +77,19 @@ where
         emitters: v.text("direct") == "virtual",
         extent: if v.text("rays") == "long" { Extent::Long } else { Extent::Short },
     });
-    let bounding = match v.text("bound") {
-        "none" => BoundPlan::NONE,
-        _ => BoundPlan::fixed(v.number("bound")?),
-    };
-    let (compensation, sharp) = (Compensation::None, v.number("sharp")?);
+    let (bounding, compensation, sharp) = (of_geometry(v)?, Compensation::None, v.number("sharp")?);
     let lights = ManyLights { generator, plan, kernel: Rays, bounding, compensation, max_edges, min_edges, sharp };
     Ok(Box::new(InMedia { lights, segment: Whole }))
+}
+
+fn of_geometry(v: &Values) -> Result<BoundPlan, RecipeError> {
+    if v.text("bound-of") != "geometry" {
+        return Err(RecipeError::Contrary(
+            "bound-of=contribution is for surfaces: a lobe in a medium has a unit of length. Say bound-of=geometry"
+                .into(),
+        ));
+    }
+    bound::plan(v)
 }
 
 /// Of `media-vpl`.
@@ -109,13 +108,7 @@ where
     InMedia<Vec<Vpl>, P, Points, BoundPlan, Sampled>: Method,
 {
     let (min_edges, max_edges) = v.depths(scene)?;
-    if v.text("bound-of") != "geometry" {
-        return Err(RecipeError::Contrary(
-            "bound-of=contribution is for surfaces: a lobe in a medium has a unit of length. Say bound-of=geometry"
-                .into(),
-        ));
-    }
-    let (bounding, compensation, sharp) = (bound::plan(v)?, Compensation::None, v.number("sharp")?);
+    let (bounding, compensation, sharp) = (of_geometry(v)?, Compensation::None, v.number("sharp")?);
     let generator = generator(v, scene)?;
     let lights = ManyLights { generator, plan, kernel: Points, bounding, compensation, max_edges, min_edges, sharp };
     Ok(match v.text("segment") {
