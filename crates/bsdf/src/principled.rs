@@ -127,7 +127,8 @@ impl Principled {
         let eta = if spec_trans.0 > 0 && (p.eta - 1.0).abs() < 1e-4 { 1.001 } else { p.eta };
         let mut made = Principled {
             base: p.base_color,
-            roughness: p.roughness.clamp(0.0, 1.0),
+            // NaN is 0.
+            roughness: if p.roughness > 0.0 { p.roughness.min(1.0) } else { 0.0 },
             eta,
             anisotropic: Unit::new(p.anisotropic),
             metallic: Unit::new(p.metallic),

@@ -50,6 +50,7 @@ fn models() -> Vec<(String, Bsdf)> {
         "principled past its range",
         common::principled(|p| (p.metallic, p.roughness, p.flatness) = (2.0, f32::NAN, -1.0)),
     );
+    add("principled of no known roughness", common::principled(|p| (p.metallic, p.roughness) = (0.0, f32::NAN)));
     add("diffuse black", Diffuse::new(black).into());
     add("black", Bsdf::Black);
     models

@@ -28,6 +28,7 @@ mod fast;
 mod greedy;
 mod light_bvh;
 mod lightcuts;
+mod starts;
 mod stochastic;
 mod tree;
 

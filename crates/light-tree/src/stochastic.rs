@@ -1,6 +1,7 @@
 //! Stochastic lightcuts.
 
-use crate::descent::{Descent, descend, min_max, probability};
+use crate::descent::{Descent, descend, min_max};
+use crate::starts::Starts;
 use crate::{Growth, LightTree};
 use manylight_framework::{
     BuildError, Claim, Clustered, Contribute, KnobSet, LightSet, Notes, Occlusion, Picks, Plan, Promise, ReachCluster,
@@ -197,14 +198,13 @@ impl<L: Clustered> DescentLights<L> {
     }
 }
 
-/// One walk from the root, whatever the size of the cut.
+/// One walk, whatever the size of the cut.
 impl<L: Clustered, Q: ReachCluster<L::Cluster>> Picks<Q> for DescentLights<L> {
     fn pick(&self, ask: &mut Q, s: &mut Stream) -> Option<(usize, f64)> {
-        let d = self.draw(self.tree.root()?, ask, s);
-        (!d.dead).then(|| (self.tree.light_of(d.node), d.probability))
+        let d = Starts::new(&self.tree, ask).draw(s.next_f64(), |children| self.odds(ask, children))?;
+        Some((self.tree.light_of(d.node), d.probability))
     }
     fn pmf(&self, ask: &mut Q, light: usize) -> f64 {
-        let (Some(root), Some(place)) = (self.tree.root(), self.tree.place_of(light)) else { return 0.0 };
-        probability(&self.tree, root, place, |children| self.odds(ask, children))
+        Starts::new(&self.tree, ask).probability(light, |children| self.odds(ask, children))
     }
 }

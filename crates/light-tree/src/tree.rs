@@ -3,6 +3,7 @@
 use crate::{TreeError, fast, greedy};
 use manylight_framework::{BuildError, Clustered};
 use manylight_sampling::{Purpose, Stream};
+use rayon::prelude::*;
 
 /// A node: a leaf is one light.
 #[derive(Clone, Copy, Debug)]
@@ -98,8 +99,9 @@ impl<L: Clustered> LightTree<L> {
         }
         let seed = s.next_u64();
         let mut items = Vec::with_capacity(lights.len());
-        for (i, l) in lights.iter().enumerate() {
-            let weight = L::weight(&l.cluster());
+        // What a BSDF makes of all directions may take long.
+        let weights: Vec<f32> = lights.par_iter().map(|l| L::weight(&l.cluster())).collect();
+        for (i, (l, weight)) in lights.iter().zip(weights).enumerate() {
             let finite = l.intensity().is_finite() && weight.is_finite() && l.position().is_finite();
             if !(finite && l.intensity() >= 0.0 && weight >= 0.0) {
                 return Err(BuildError::NotFinite { light: i });

@@ -32,7 +32,7 @@ impl Effort {
 const GRID: usize = 2;
 /// Runs that passes are joined to: means of many passes are nearer to Gaussian.
 const RUNS: usize = 64;
-/// Passes at first, and at most.
+/// Passes at first, and at most where work is limited.
 const FIRST: u64 = 32;
 const MOST: u64 = 1 << 14;
 
@@ -54,7 +54,8 @@ pub(crate) fn measure(scene: &Scene, built: &Built, seed: u64, first: u64, effor
             rows.push(row);
             work += cost;
         }
-        if seen(&rows, effort.target) || 2 * work > effort.work || rows.len() as u64 >= MOST {
+        let spent = 2 * work > effort.work || rows.len() as u64 >= MOST;
+        if seen(&rows, effort.target) || (spent && effort.work < u64::MAX) {
             return Ok(Runs::new(joined(rows)).map_err(|e| e.to_string())?.with_mean());
         }
     }

@@ -1,6 +1,6 @@
 //! `manylight render --frames`.
 
-use super::{Rendered, Target, default_output, image};
+use super::{Rendered, Target, default_output, image, spares};
 use crate::args::{Frames, Render};
 use crate::failure::Failure;
 use crate::output::say;
@@ -28,17 +28,30 @@ pub fn run(args: &Render, frames: Frames, cancel: &Arc<AtomicBool>) -> Result<()
     manylight_render::files::check_writable(&all)?;
 
     let (mut sequence, mut animation, mut exposure) = (Sequence::default(), Animation::default(), args.exposure);
+    let mut interrupted = false;
     for number in frames.first..=frames.last {
         let args = Render { exposure, ..of_frame(args, &outputs, frames, number) };
-        let Rendered { image, ev, whole } = image(&args, cancel)?;
+        let Rendered { image, ev, whole, files } = match image(&args, cancel) {
+            // What there is can be played.
+            Err(Failure::InterruptedEarly) if number > frames.first => {
+                interrupted = true;
+                break;
+            }
+            rendered => rendered?,
+        };
+        spares([all.as_path()].into_iter(), &files)?;
         if !whole {
-            return Err(Failure::Interrupted);
+            interrupted = true;
+            break;
         }
         exposure = Exposure::Ev(ev);
         if let Err(e) = sequence.add(&ImageView::new(image.width, image.height, &image.pixels)?) {
             return Err(Failure::Mistake(format!("frame {number} has another size than the first: {e}")));
         }
         animation.add(&image, ev);
+    }
+    if interrupted && animation.frames() < 2 {
+        return Err(Failure::Interrupted);
     }
     animation.write(&all)?;
     if !args.quiet {
@@ -47,7 +60,7 @@ pub fn run(args: &Render, frames: Frames, cancel: &Arc<AtomicBool>) -> Result<()
             say(steadiness);
         }
     }
-    Ok(())
+    if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
 /// Files of each frame, with a place for its number.

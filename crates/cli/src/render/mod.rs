@@ -37,6 +37,8 @@ struct Rendered {
     ev: f32,
     /// It was not interrupted.
     whole: bool,
+    /// What the scene was read from.
+    files: Vec<PathBuf>,
 }
 
 /// Renders a scene, and writes the image, the PNG beside it and the statistics.
@@ -45,7 +47,7 @@ fn image(args: &Render, cancel: &Arc<AtomicBool>) -> Result<Rendered, Failure> {
     let start = Instant::now();
     let Loaded { mut scene, warnings, files } = load(args)?;
     scene.set_simd(args.simd);
-    target.spares(&files)?;
+    spares(target.paths(), &files)?;
     warn(&warnings);
     let load = start.elapsed();
     let start = Instant::now();
@@ -81,7 +83,7 @@ fn image(args: &Render, cancel: &Arc<AtomicBool>) -> Result<Rendered, Failure> {
     if !args.quiet {
         summarise(&target, &rendering, &stats, ev);
     }
-    Ok(Rendered { image: rendering.image, ev, whole: !rendering.interrupted })
+    Ok(Rendered { image: rendering.image, ev, whole: !rendering.interrupted, files })
 }
 
 fn budget(args: &Render) -> Budget {
@@ -128,25 +130,6 @@ impl Target {
         target.paths().try_for_each(files::check_writable)?;
         Ok(target)
     }
-    /// Is none of them a file that the scene was read from, and none named twice?
-    fn spares(&self, read: &[PathBuf]) -> Result<(), Failure> {
-        let real = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.into());
-        let outputs: Vec<PathBuf> = self.paths().map(real).collect();
-        for (i, output) in outputs.iter().enumerate() {
-            if read.iter().any(|r| real(r) == *output) {
-                let what =
-                    format!("{} belongs to the scene and would be overwritten: choose another -o", output.display());
-                return Err(Failure::Mistake(what));
-            }
-            if outputs[..i].contains(output) {
-                return Err(Failure::Mistake(format!(
-                    "{} is named for two outputs: choose another name",
-                    output.display()
-                )));
-            }
-        }
-        Ok(())
-    }
     fn paths(&self) -> impl Iterator<Item = &Path> {
         [&self.exr, &self.png].into_iter().chain(&self.stats).map(PathBuf::as_path)
     }
@@ -165,6 +148,25 @@ impl Target {
         }
         Ok(ev)
     }
+}
+
+/// Is none of the outputs a file that the scene was read from, and none named twice?
+fn spares<'a>(outputs: impl Iterator<Item = &'a Path>, read: &[PathBuf]) -> Result<(), Failure> {
+    let real = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.into());
+    let outputs: Vec<PathBuf> = outputs.map(real).collect();
+    for (i, output) in outputs.iter().enumerate() {
+        if read.iter().any(|r| real(r) == *output) {
+            let what = format!("{} belongs to the scene and would be overwritten: choose another -o", output.display());
+            return Err(Failure::Mistake(what));
+        }
+        if outputs[..i].contains(output) {
+            return Err(Failure::Mistake(format!(
+                "{} is named for two outputs: choose another name",
+                output.display()
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// In the current directory, with the name of the scene file; where that is `scene.xml`, with the name of its directory.

@@ -42,7 +42,7 @@ pub(crate) const PARAMS: &[Param] = &[
     .part_of("lights", &["lightcuts"]),
     Param::new(
         "trees",
-        Kind::Integer { min: 1, max: 1024 },
+        Kind::Integer { min: 1, max: 64 },
         "1",
         "trees of a pass, which differ in the lights that stand for clusters; each receiver asks one: several turn errors that \
          neighbours share into noise",

@@ -26,6 +26,10 @@ impl Animation {
         self.size = size;
         self.frames.push(srgb_bytes(image, ev));
     }
+    /// Frames there are.
+    pub fn frames(&self) -> usize {
+        self.frames.len()
+    }
     /// Writes the file; an error if there is no frame.
     pub fn write(&self, path: &Path) -> Result<(), RenderError> {
         let (width, height) = size(path, self.size)?;
