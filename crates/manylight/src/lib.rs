@@ -22,7 +22,7 @@
 //! ```
 //!
 //! In `examples/` of this crate: 01 is a furnace, 02 an image by virtual point lights whose method is put together by hand, and
-//! 05 a light set of your own. `cargo run --release -p manylight --example 01_furnace` runs the first.
+//! 05 a light set of your own, 06 a scene that a program builds and writes. `cargo run --release -p manylight --example 01_furnace` runs the first.
 
 pub use manylight_bsdf as bsdf;
 pub use manylight_compensation as compensation;
