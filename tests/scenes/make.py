@@ -1,4 +1,5 @@
-"""Mitsuba 3's block means of the scenes here: `python3 make.py NAME [TIMES]` (veil, gallery 8) writes `NAME.txt`, which `tests/tests/veil.rs` reads.
+"""Mitsuba 3's block means of the scenes here: `python3 make.py NAME [TIMES [FILE]]` writes `NAME.txt`: `veil`, `gallery 4`, and
+`built 4 DIR/scene.xml` of what the example 06_write_a_scene writes.
 
 4 x 4 blocks of the image, row by row: mean (r, g, b) and its standard error (r, g, b) over independent renderings.
 """
@@ -13,9 +14,9 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 RUNS, SPP, GRID = 48, 64, 4  # SPP: times the second argument
 
 
-def main(name, times=1):
+def main(name, times=1, file=None):
     os.chdir(HERE)
-    scene = mi.load_file(name + ".xml")
+    scene = mi.load_file(file or name + ".xml")
     runs = []
     for seed in range(RUNS):
         image = np.array(mi.render(scene, spp=SPP * int(times), seed=seed), dtype=np.float64)

@@ -48,6 +48,20 @@ pub fn blocks(image: &Image, grid: usize) -> Vec<f64> {
     sums.iter().enumerate().map(|(i, s)| s / counts[i / 3] as f64).collect()
 }
 
+/// The folder of small scenes that Mitsuba has rendered.
+pub fn scenes_folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes")
+}
+/// Block means (4 x 4) and their standard errors over 48 runs by Mitsuba, of a scene in `scenes_folder`: see its `make.py`.
+pub fn mitsuba_blocks(scene: &str) -> (Vec<f64>, Vec<f64>) {
+    let path = scenes_folder().join(format!("{scene}.txt"));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let row = |l: &str| l.split(' ').map(|x| x.parse().unwrap_or_else(|_| panic!("{l}"))).collect::<Vec<f64>>();
+    let rows: Vec<Vec<f64>> = text.lines().filter(|l| !l.starts_with('#')).map(row).collect();
+    let part = |from: usize| rows.iter().flat_map(|r| r[from..from + 3].to_vec()).collect();
+    (part(0), part(3))
+}
+
 /// A method by name, with parameters as `name=value`. Panics if there is no such thing.
 pub fn recipe(name: &str, params: &[&str], scene: &Scene) -> Recipe {
     let pairs: Vec<(String, String)> = params

@@ -45,6 +45,19 @@ impl RoughTransmittance {
             .or_insert_with(|| Box::leak(Box::new(RoughTransmittance::tabulate(distribution, alpha, eta))))
     }
 
+    /// Which microfacets.
+    pub fn distribution(&self) -> Distribution {
+        self.microfacets.distribution
+    }
+    /// Their roughness.
+    pub fn alpha(&self) -> f32 {
+        self.microfacets.alpha_u
+    }
+    /// Index inside over outside.
+    pub fn eta(&self) -> f32 {
+        self.eta
+    }
+
     fn tabulate(distribution: Distribution, alpha: f32, eta: f32) -> Self {
         let microfacets = Microfacets::new(distribution, alpha, alpha);
         let outside = Side { microfacets, eta, nodes: nodes(eta) };

@@ -98,8 +98,12 @@ impl TriangleMesh {
             *p = to_world.transform_point3(p.as_dvec3()).as_vec3();
         }
         let normal: DMat3 = to_world.matrix3.inverse().transpose();
+        let turned = normal != DMat3::IDENTITY;
         for n in &mut self.normals {
-            *n = (normal * n.as_dvec3()).normalize_or_zero().as_vec3();
+            // What is unit to rounding and stays where it is is not moved by rounding once more.
+            if turned || (n.as_dvec3().length_squared() - 1.0).abs() > 1e-6 {
+                *n = (normal * n.as_dvec3()).normalize_or_zero().as_vec3();
+            }
         }
     }
     /// Gives each vertex the mean of its triangles' normals, weighted by their angles at it (Thürmer and Wüthrich 1998).

@@ -22,8 +22,8 @@
 //! ```
 //!
 //! In `examples/` of this crate: 01 is a furnace, 02 an image by virtual point lights whose method is put together by hand, 03 two
-//! light sets in one method. `cargo run --release -p manylight --example 01_furnace` runs the first. 04 a light and 05 a light set of your
-//! own are a crate of their own, `examples/outside` of the repository.
+//! light sets in one method, 06 a scene that a program builds and writes. `cargo run --release -p manylight --example 01_furnace` runs the
+//! first. 04 a light and 05 a light set of your own are a crate of their own, `examples/outside` of the repository.
 
 pub use manylight_bsdf as bsdf;
 pub use manylight_compensation as compensation;

@@ -1,4 +1,4 @@
-//! Reads Mitsuba 3 XML, with its OBJ and PLY meshes and its textures, into a [`Scene`].
+//! Reads Mitsuba 3 XML, with its meshes and its textures, into a [`Scene`], and writes scenes ([`write()`]).
 //!
 //! What is understood is a subset; within it defaults and conventions are those of Mitsuba 3. What is not supported, unknown,
 //! unused or wrong is an error with its place, and all errors of a file are reported at once.
@@ -31,9 +31,11 @@ mod query;
 mod spectrum;
 mod value;
 mod vol;
+mod write;
 mod xml;
 
 pub use diagnostic::{Diagnostic, Errors};
+pub use write::{WriteError, write};
 
 use diagnostic::{At, Report};
 use manylight_scene::{Filter, Scene};

@@ -67,6 +67,11 @@ pub(crate) fn spectrum(text: &str) -> Result<f64, String> {
     number(text).map_err(|e| format!("{e} (a <spectrum> is one number, or pairs such as `400:0.1, 500:0.7`)"))
 }
 
+/// A unit vector along `v`. One that is unit to single precision stays as it is, so that what is written comes back. `None`: zero.
+pub(crate) fn unit(v: DVec3) -> Option<DVec3> {
+    if (v.length_squared() - 1.0).abs() < 1e-6 { Some(v) } else { v.try_normalize() }
+}
+
 fn shorten(text: &str) -> String {
     if text.chars().count() <= 40 { text.into() } else { text.chars().take(40).chain("..".chars()).collect() }
 }

@@ -15,6 +15,17 @@ enum Projection {
     Parallel,
 }
 
+/// What a camera was made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// From its own frame.
+    pub to_world: DAffine3,
+    /// Horizontal, in degrees; of no meaning for parallel rays.
+    pub fov_x: f64,
+    /// Of the principal point, in fractions of the image's width and height.
+    pub offset: [f64; 2],
+}
+
 /// A camera, in Mitsuba's convention: in its own frame it looks along +z, with +x to the left and +y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -36,6 +47,7 @@ pub struct Camera {
     /// What it stands in.
     pub medium: MediumId,
     projection: Projection,
+    view: View,
 }
 
 impl Camera {
@@ -77,6 +89,7 @@ impl Camera {
             size,
             medium: MediumId::VACUUM,
             projection: Projection::Pinhole,
+            view: View { to_world, fov_x: fov_x_degrees, offset: principal_point_offset },
         })
     }
     /// The same camera with a lens of a radius, which shows sharply what lies in the plane at the distance `focus` along the axis. \[m\]
@@ -94,6 +107,17 @@ impl Camera {
         let (wide, high) = (to_world.matrix3.x_axis.length() as f32, to_world.matrix3.y_axis.length() as f32);
         let scale = Vec2::new(wide, high);
         Ok(Camera { corner: unit.corner * scale, pixel: unit.pixel * scale, projection: Projection::Parallel, ..unit })
+    }
+    /// What it was made of.
+    pub fn view(&self) -> View {
+        self.view
+    }
+    /// Radius of its lens and the distance at which it is sharp, if it has one. \[m\]
+    pub fn lens(&self) -> Option<(f32, f32)> {
+        match self.projection {
+            Projection::Lens { radius, focus } => Some((radius, focus)),
+            _ => None,
+        }
     }
     /// Are its rays parallel?
     pub fn is_parallel(&self) -> bool {

@@ -265,7 +265,7 @@ impl Emitters {
         all
     }
     /// What they are, by the names of Mitsuba's plugins.
-    pub(crate) fn kinds(&self) -> impl Iterator<Item = &'static str> {
+    pub fn kinds(&self) -> impl Iterator<Item = &'static str> {
         self.samplers.iter().map(|sampler| match sampler {
             Sampler::Area { .. } => "area",
             Sampler::Point { .. } => "point",
@@ -279,6 +279,17 @@ impl Emitters {
     pub(crate) fn image_bytes(&self) -> usize {
         let of = |s: &Sampler| if let Sampler::Environment(map) = s { map.bytes() } else { 0 };
         self.samplers.iter().map(of).sum()
+    }
+    /// Those that are no shapes, in their order.
+    pub fn sources(&self) -> impl Iterator<Item = Emitter> {
+        self.samplers.iter().filter_map(|sampler| match sampler {
+            Sampler::Area { .. } => None,
+            &Sampler::Point { position, intensity } => Some(Emitter::Point { position, intensity }),
+            &Sampler::Spot { position, intensity, spot } => Some(Emitter::Spot { position, intensity, spot }),
+            &Sampler::Directional { direction, irradiance } => Some(Emitter::Directional { direction, irradiance }),
+            &Sampler::Constant { radiance } => Some(Emitter::Constant { radiance }),
+            Sampler::Environment(map) => Some(Emitter::Environment(map.clone())),
+        })
     }
     /// How many there are.
     pub fn len(&self) -> usize {

@@ -22,6 +22,18 @@ pub struct Environment {
 }
 
 impl Environment {
+    /// The map, unscaled.
+    pub fn image(&self) -> &Arc<Bitmap> {
+        &self.image
+    }
+    /// What multiplies the map.
+    pub fn scale(&self) -> f32 {
+        self.scale
+    }
+    /// From the map's frame.
+    pub fn to_world(&self) -> DMat3 {
+        self.to_world
+    }
     /// Memory of its image. \[byte\]
     pub(crate) fn bytes(&self) -> usize {
         self.image.pixels.len() * size_of::<Spectrum>()

@@ -40,7 +40,7 @@ mod spot;
 mod texture;
 mod vertex;
 
-pub use camera::Camera;
+pub use camera::{Camera, View};
 pub use emitter::{Emission, Emitter, EmitterPart, EmitterSample, Emitters, Part, PartAxis};
 pub use environment::Environment;
 pub use filter::{Filter, FilterSampler};

@@ -31,7 +31,7 @@ pub(crate) enum Seen {
 
 impl Relief {
     /// The texture that it names.
-    pub(crate) fn texture(&self) -> TextureId {
+    pub fn texture(&self) -> TextureId {
         match self {
             Relief::Bump { height: id, .. } | Relief::Normals { map: id } => *id,
         }

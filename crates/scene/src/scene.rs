@@ -312,6 +312,18 @@ impl Scene {
     pub fn builder() -> SceneBuilder {
         SceneBuilder::default()
     }
+    /// Each shape's name, material and radiance, in the order of the geometry's.
+    pub fn surfaces(&self) -> impl Iterator<Item = (&str, MaterialId, Option<Source>)> {
+        self.shapes.iter().map(|s| (s.name.as_str(), s.material, s.radiance))
+    }
+    /// All materials, by their index.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+    /// All textures, by their index.
+    pub fn textures(&self) -> &[Texture] {
+        &self.textures
+    }
     /// The camera.
     pub fn camera(&self) -> &Camera {
         &self.camera

@@ -21,7 +21,9 @@ impl Spot {
         // Below that single precision knows no cone any more.
         let ordered = (0.0..=cutoff).contains(&beam) && (1e-3..=3.141_592_8).contains(&cutoff);
         (unit && ordered).then(|| {
-            let spot = Spot { axis: axis.normalize(), cutoff, beam, peak: 0.0 };
+            // What is unit to rounding stays as it is: normalising it again would move it.
+            let axis = if (axis.length_squared() - 1.0).abs() < 1e-6 { axis } else { axis.normalize() };
+            let spot = Spot { axis, cutoff, beam, peak: 0.0 };
             Spot { peak: (1.0 / (std::f64::consts::TAU * spot.mass(f64::from(cutoff)))) as f32, ..spot }
         })
     }

@@ -5,6 +5,7 @@ use super::{Builder, filename};
 use crate::diagnostic::At;
 use crate::document::{Class, ObjectId, refuse_plugin};
 use crate::query::Query;
+use crate::value;
 use manylight_math::{DAffine3, DMat3, DVec3};
 use manylight_scene::{Emitter, Environment, Source, Spot};
 
@@ -85,7 +86,7 @@ impl<'a> Builder<'a> {
             return None;
         }
         let (to_world, _) = q.to_world();
-        let axis = to_world.transform_vector3(DVec3::Z).try_normalize()?.as_vec3();
+        let axis = value::unit(to_world.transform_vector3(DVec3::Z))?.as_vec3();
         let spot = Spot::new(axis, cutoff.to_radians() as f32, beam.to_radians() as f32)?;
         Some(Emitter::Spot { position: to_world.translation.as_vec3(), intensity, spot })
     }
@@ -103,7 +104,7 @@ impl<'a> Builder<'a> {
                 None
             }
             Some((direction, at)) => {
-                let unit = direction.try_normalize();
+                let unit = value::unit(direction);
                 if unit.is_none() {
                     self.report.error(at, "`direction` must not be zero");
                 }

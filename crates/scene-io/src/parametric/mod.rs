@@ -147,7 +147,7 @@ fn list(names: impl Iterator<Item = &'static str>) -> String {
 }
 
 /// Writes to a temporary file in the same folder, and renames it once it is on the disk.
-fn write_whole(path: &Path, dir: &Path, content: &[u8]) -> std::io::Result<()> {
+pub(crate) fn write_whole(path: &Path, dir: &Path, content: &[u8]) -> std::io::Result<()> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".manylight-").suffix(".part");
     // Temporary files are private by default; a scene is as readable as the user's other new files.
