@@ -50,6 +50,16 @@ pub(crate) fn asks_lights_further_on(v: &Values) -> bool {
     }
 }
 
+/// By `steps` and `arrival`.
+pub(crate) fn continued_paths(v: &Values) -> Result<KolligKeller, RecipeError> {
+    let steps = match v.text("steps") {
+        "none" => None,
+        _ => Some(v.integer("steps")? as u32),
+    };
+    let arrival = if v.text("arrival") == "lights" { Arrival::Lights } else { Arrival::Path };
+    Ok(KolligKeller { steps, arrival })
+}
+
 pub(crate) fn compensation(v: &Values, scene: &Scene) -> Result<Compensation, RecipeError> {
     let name = v.text("compensation");
     if name != "none" && scene.has_media() {
@@ -59,12 +69,7 @@ pub(crate) fn compensation(v: &Values, scene: &Scene) -> Result<Compensation, Re
     }
     Ok(match name {
         "kollig-keller" => {
-            let steps = match v.text("steps") {
-                "none" => None,
-                _ => Some(v.integer("steps")? as u32),
-            };
-            let arrival = if v.text("arrival") == "lights" { Arrival::Lights } else { Arrival::Path };
-            Compensation::Point(Box::new(KolligKeller { steps, arrival }))
+            Compensation::Point(Box::new(continued_paths(v)?))
         }
         "screen-space" => {
             if v.is_given("min-depth") && v.integer("min-depth")? > 1 {

@@ -1,6 +1,7 @@
 //! Virtual lights in media: point lights at collisions, and ray lights.
 
 use crate::params::{Kind, Param, WHOLE};
+use crate::parts::compensation::continued_paths;
 use crate::parts::{bound, sharp};
 use crate::values::Values;
 use crate::{RecipeError, parts::direct};
@@ -34,8 +35,30 @@ const SEGMENT: &[Param] = &[
         "how the camera's ray through a medium is gathered: each light draws its own point on it (by angle), or all share points \
          drawn by free flight",
     ),
-    Param::new("compensation", Kind::Choice(&["none"]), "none", "in media nothing brings back what a bound takes away"),
     Param::new("points", Kind::Integer { min: 1, max: 1024 }, "1", "points a segment").part_of("segment", &["points"]),
+];
+
+const COMPENSATION: &[Param] = &[
+    Param::new(
+        "compensation",
+        Kind::Choice(&["none", "raab"]),
+        "none",
+        "estimates what the bound takes away; `raab`: by continued paths, and with them light through mirrors and glass",
+    ),
+    Param::new(
+        "steps",
+        Kind::IntegerOr { min: 1, max: 1 << 16, words: &["none"] },
+        "none",
+        "residual steps at most; `none`: no limit, unbiased",
+    )
+    .part_of("compensation", &["raab"]),
+    Param::new(
+        "arrival",
+        Kind::Choice(&["lights", "path"]),
+        "lights",
+        "how light is found where a residual path arrives: by all lights again as in the paper, or by path tracing from there on (fewer rays, more noise)",
+    )
+    .part_of("compensation", &["raab"]),
 ];
 
 const RAYS: &[Param] = &[
@@ -94,7 +117,7 @@ where
 }
 
 /// Of `media-vpl`.
-pub(crate) const MEDIA_VPL: &[&[Param]] = &[PARAMS, SEGMENT, bound::PARAMS, direct::PARAMS, sharp::PARAMS];
+pub(crate) const MEDIA_VPL: &[&[Param]] = &[PARAMS, SEGMENT, bound::PARAMS, COMPENSATION, direct::PARAMS, sharp::PARAMS];
 
 pub(crate) fn vpls(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
     match v.text("lights") {
@@ -115,13 +138,26 @@ where
                 .into(),
         ));
     }
-    let (bounding, compensation, sharp) = (bound::plan(v)?, Compensation::None, v.number("sharp")?);
+    let (bounding, compensation, sharp) = (bound::plan(v)?, compensation(v)?, v.number("sharp")?);
     let generator = generator(v, scene)?;
     let lights = ManyLights { generator, plan, kernel: Points, bounding, compensation, max_edges, min_edges, sharp };
     Ok(match v.text("segment") {
         "points" => Box::new(InMedia { lights, segment: Sampled { points: v.integer("points")? as u32 } }),
         _ => Box::new(InMedia { lights, segment: Whole }),
     })
+}
+
+/// Of what the bound takes from lights on surfaces and in media.
+fn compensation(v: &Values) -> Result<Compensation, RecipeError> {
+    if v.text("compensation") == "none" {
+        return Ok(Compensation::None);
+    }
+    if v.text("direct") == "only" {
+        return Err(RecipeError::Contrary(
+            "with direct=only there are no lights that a bound could take from: leave `compensation` out".into(),
+        ));
+    }
+    Ok(Compensation::Point(Box::new(continued_paths(v)?)))
 }
 
 /// Keller's walk leaves lights at collisions too.
