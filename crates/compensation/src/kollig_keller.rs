@@ -41,6 +41,11 @@ const SURVIVAL: f32 = 0.95;
 /// Residual steps, and edges, from which roulette never lets everything through.
 const CERTAIN: u32 = 4;
 
+/// Probability with which a path of this weight goes on, whose last residual step is of this number.
+pub(crate) fn survival(weight: Spectrum, level: u32) -> f32 {
+    weight.luminance().min(if level <= CERTAIN { 1.0 } else { SURVIVAL })
+}
+
 impl Compensator for KolligKeller {
     fn residual(
         &self,
@@ -101,7 +106,7 @@ struct Step<'a> {
 impl Step<'_> {
     /// weight x what leaves y, by Russian roulette.
     fn scattered(&self, y: &Vertex, weight: Spectrum, probe: &mut Probe, s: &mut Stream) -> Spectrum {
-        let survival = weight.luminance().min(if self.at.level <= CERTAIN { 1.0 } else { SURVIVAL });
+        let survival = survival(weight, self.at.level);
         if !y.connects() || !(s.next_f32() < survival) {
             return Spectrum::BLACK;
         }

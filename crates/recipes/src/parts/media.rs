@@ -1,11 +1,11 @@
 //! Virtual lights in media: point lights at collisions, and ray lights.
 
 use crate::params::{Kind, Param, WHOLE};
-use crate::parts::compensation::continued_paths;
+use crate::parts::compensation::{continued_paths, steps};
 use crate::parts::{bound, sharp};
 use crate::values::Values;
 use crate::{RecipeError, parts::direct};
-use manylight_compensation::BoundPlan;
+use manylight_compensation::{BoundPlan, Engelhardt};
 use manylight_framework::{Compensation, Generator, Method, Plan};
 use manylight_light_list::{All, Power};
 use manylight_many_lights::{InMedia, ManyLights, Sampled, Whole};
@@ -41,17 +41,17 @@ const SEGMENT: &[Param] = &[
 const COMPENSATION: &[Param] = &[
     Param::new(
         "compensation",
-        Kind::Choice(&["none", "raab"]),
+        Kind::Choice(&["none", "raab", "engelhardt"]),
         "none",
-        "estimates what the bound takes away; `raab`: by continued paths, and with them light through mirrors and glass",
+        "estimates what the bound takes away; `raab`: by continued paths, and with them light through mirrors and glass; `engelhardt`: as if the medium around each point were even and empty (biased)",
     ),
     Param::new(
         "steps",
         Kind::IntegerOr { min: 1, max: 1 << 16, words: &["none"] },
         "none",
-        "residual steps at most; `none`: no limit, unbiased",
+        "residual steps at most; `none`: no limit (raab: unbiased). Of engelhardt, in media: what comes after is a geometric series",
     )
-    .part_of("compensation", &["raab"]),
+    .part_of("compensation", &["raab", "engelhardt"]),
     Param::new(
         "arrival",
         Kind::Choice(&["lights", "path"]),
@@ -100,13 +100,7 @@ where
     InMedia<(Vec<Vpl>, Vec<Vrl>), P, Rays, BoundPlan, Whole>: Method,
 {
     let (min_edges, max_edges) = v.depths(scene)?;
-    let generator = Box::new(RayWalk {
-        paths: v.integer("paths")?,
-        max_edges: (max_edges != u32::MAX).then_some(max_edges),
-        certain_edges: v.integer("rr-depth")? as u32,
-        emitters: v.text("direct") == "virtual",
-        extent: if v.text("rays") == "long" { Extent::Long } else { Extent::Short },
-    });
+    let generator = Box::new(ray_walk(v, max_edges, v.text("direct") == "virtual")?);
     let bounding = match v.text("bound") {
         "none" => BoundPlan::NONE,
         _ => BoundPlan::fixed(v.number("bound")?),
@@ -116,8 +110,20 @@ where
     Ok(Box::new(InMedia { lights, segment: Whole }))
 }
 
+/// The walk whose edges are ray lights, or beams.
+pub(crate) fn ray_walk(v: &Values, max_edges: u32, emitters: bool) -> Result<RayWalk, RecipeError> {
+    Ok(RayWalk {
+        paths: v.integer("paths")?,
+        max_edges: (max_edges != u32::MAX).then_some(max_edges),
+        certain_edges: v.integer("rr-depth")? as u32,
+        emitters,
+        extent: if v.text("rays") == "long" { Extent::Long } else { Extent::Short },
+    })
+}
+
 /// Of `media-vpl`.
-pub(crate) const MEDIA_VPL: &[&[Param]] = &[PARAMS, SEGMENT, bound::PARAMS, COMPENSATION, direct::PARAMS, sharp::PARAMS];
+pub(crate) const MEDIA_VPL: &[&[Param]] =
+    &[PARAMS, SEGMENT, bound::PARAMS, COMPENSATION, direct::PARAMS, sharp::PARAMS];
 
 pub(crate) fn vpls(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
     match v.text("lights") {
@@ -157,7 +163,10 @@ fn compensation(v: &Values) -> Result<Compensation, RecipeError> {
             "with direct=only there are no lights that a bound could take from: leave `compensation` out".into(),
         ));
     }
-    Ok(Compensation::Point(Box::new(continued_paths(v)?)))
+    Ok(Compensation::Point(match v.text("compensation") {
+        "engelhardt" => Box::new(Engelhardt { steps: steps(v)? }),
+        _ => Box::new(continued_paths(v)?),
+    }))
 }
 
 /// Keller's walk leaves lights at collisions too.
