@@ -4,6 +4,7 @@
 //! (`block_runs`), never pixels. Seeds are fixed; each test states its significance through `manylight_stats::BlockTest`.
 
 pub mod bounded_path;
+pub mod fogs;
 pub mod rooms;
 
 use manylight_framework::{Film, Image, Method, Probe, Sequential};

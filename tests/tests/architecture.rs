@@ -29,7 +29,7 @@ const FLOORS: &[(u32, &[&str])] = &[
             "volume-lights",
         ],
     ),
-    (7, &["metropolis-ir", "vrl", "vsl"]),
+    (7, &["metropolis-ir", "photon", "vrl", "vsl"]),
     (RECIPES, &["recipes", "report", "verify"]),
     (9, &["cli"]),
     (10, &["manylight", "embree"]),

@@ -6,33 +6,19 @@ use manylight_compensation::BoundPlan;
 use manylight_framework::{
     Bounding, Claim, Compensation, Connection, Integrator, Kernel, Pair, PassError, Probe, Promise,
 };
-use manylight_geometry::{Disk, ShapeGeometry, Sphere, TriangleMesh};
-use manylight_integration::rooms::{self, built, camera, diffuse, place};
+use manylight_geometry::{Disk, ShapeGeometry, Sphere};
+use manylight_integration::fogs::{endless, fog, foggy_room, part, smoky_cube};
+use manylight_integration::rooms::{built, camera, diffuse, place};
 use manylight_integration::{block_runs, effort, recipe};
 use manylight_light_list::All;
 use manylight_many_lights::{InMedia, ManyLights, Whole};
-use manylight_math::{DAffine3, DVec3, Frame, MediumId, Ray, Spectrum, Vec3};
+use manylight_math::{DVec3, Frame, MediumId, Ray, Spectrum, Vec3};
 use manylight_reference::PathTracer;
 use manylight_sampling::Stream;
-use manylight_scene::{
-    Boundary, Edge, Emitter, Grid, HenyeyGreenstein, Heterogeneous, Homogeneous, Interpolation, Mode, Scene,
-    SceneBuilder, Sides, Volume,
-};
+use manylight_scene::{Edge, Emitter, Mode, Scene};
 use manylight_stats::{BlockTest, Reference};
 use manylight_vrl::{Extent, RayWalk, Rays};
-use std::f64::consts::PI;
 
-/// A medium of albedo x extinction.
-fn fog(b: &mut SceneBuilder, albedo: Spectrum, extinction: Spectrum, g: f32) -> MediumId {
-    let phase = HenyeyGreenstein::new(g).unwrap();
-    b.medium(Homogeneous::new(albedo * extinction, extinction, phase).unwrap().into())
-}
-/// A box [lo, hi] that parts `inside` from `outside` and does nothing else.
-fn part(b: &mut SceneBuilder, lo: DVec3, hi: DVec3, inside: MediumId, outside: MediumId) {
-    let placed = DAffine3::from_translation(0.5 * (lo + hi)) * DAffine3::from_scale(0.5 * (hi - lo));
-    let geometry = ShapeGeometry::Mesh(TriangleMesh::cube(&placed));
-    b.boundary(Boundary { name: "box".into(), geometry, sides: Sides { outside, inside } });
-}
 /// Every block and channel of the method has the exact mean.
 fn holds(what: &str, scene: &Scene, method: &str, params: &[&str], passes: u64, truth: [f64; 3]) {
     let r = recipe(method, params, scene);
@@ -52,16 +38,6 @@ fn agree(what: &str, scene: &Scene, a: (&str, &[&str], u64), b: (&str, &[&str], 
     let verdict = BlockTest::default().run(&first, Reference::Runs(&second)).unwrap();
     println!("{what}, {} against {}: {verdict}", a.0, b.0);
     assert!(verdict.passes(), "{what}, {a:?} against {b:?}: {verdict}");
-}
-
-/// A point light of 1 W in an endless fog; the camera looks along +x past it at distance `d`, the foot `t0` ahead.
-fn endless(albedo: f32, extinction: f32, g: f32, d: f64, t0: f64) -> Scene {
-    let mut b = Scene::builder();
-    let medium = fog(&mut b, Spectrum::gray(albedo), Spectrum::gray(extinction), g);
-    b.emitter(Emitter::Point { position: Vec3::ZERO, intensity: Spectrum::gray((0.25 / PI) as f32) });
-    let eye = DVec3::new(-t0, d, 0.0);
-    b.camera(camera(eye, eye + DVec3::X, 1e-3, (4, 4)).within(medium));
-    built(b)
 }
 
 #[test]
@@ -197,21 +173,6 @@ impl<B: Bounding> Integrator for BoundedInMedia<B> {
     }
 }
 
-/// A closed room full of coloured fog under a lamp, with a denser box in it.
-fn foggy_room(g: f32) -> Scene {
-    let mut b = Scene::builder();
-    let thin = fog(&mut b, Spectrum::rgb(0.9, 0.7, 0.5), Spectrum::rgb(0.3, 0.6, 0.9), g);
-    let dense = fog(&mut b, Spectrum::rgb(0.5, 0.8, 0.9), Spectrum::rgb(3.0, 2.0, 1.0), -0.3);
-    part(&mut b, DVec3::new(-0.8, -0.8, -0.8), DVec3::new(0.0, 0.0, 0.0), dense, thin);
-    let wall = diffuse(&mut b, Spectrum::rgb(0.7, 0.5, 0.3));
-    place(&mut b, rooms::hollow_cube(1.0), wall, None);
-    let black = diffuse(&mut b, Spectrum::BLACK);
-    let lamp = Disk { centre: Vec3::new(0.2, 0.1, 0.95), radius: 0.4, frame: Frame::around(Vec3::NEG_Z) };
-    place(&mut b, ShapeGeometry::Disk(lamp), black, Some(Spectrum::rgb(5.0, 4.0, 3.0)));
-    b.camera(camera(DVec3::new(0.7, -0.85, 0.3), DVec3::new(-0.3, 0.3, -0.2), 70.0, (8, 8)).within(thin));
-    built(b)
-}
-
 #[test]
 fn bounded_point_lights_in_fog_are_the_bounded_path_tracer() {
     for (g, bound) in [(0.0, 2.0), (0.6, 4.0)] {
@@ -265,7 +226,9 @@ fn methods_that_know_no_media_say_so() {
     for m in manylight_recipes::methods() {
         let built = manylight_recipes::build(m.name, &[], &scene);
         match m.name {
-            "path" | "media-vpl" | "vrl" | "lgh" => assert!(built.is_ok()),
+            "path" | "media-vpl" | "vrl" | "photon-map" | "beam-radiance" | "photon-beams" | "lgh" => {
+                assert!(built.is_ok())
+            }
             _ => assert!(built.err().unwrap().to_string().contains("knows nothing of them: use `path`"), "{}", m.name),
         }
     }
@@ -329,26 +292,6 @@ fn liars_in_fog_are_rejected() {
         println!("{name}: {verdict}");
         assert!(verdict.rejected(), "{name}: {verdict}");
     }
-}
-
-/// A room with a cube of clumpy smoke in it, and a lamp.
-fn smoky_cube() -> Scene {
-    let mut b = Scene::builder();
-    let mut s = Stream::new(1, [0; 3], manylight_sampling::Purpose::TEST);
-    let values = (0..512).map(|_| Spectrum::gray(if s.next_f32() < 0.5 { 0.0 } else { 2.0 })).collect();
-    let placed = DAffine3::from_translation(DVec3::splat(-0.8)) * DAffine3::from_scale(DVec3::splat(1.4));
-    let grid = Grid::new([8; 3], values, &placed, Interpolation::Trilinear).unwrap();
-    let albedo = Volume::Constant(Spectrum::rgb(0.9, 0.8, 0.5));
-    let phase = HenyeyGreenstein::new(0.3).unwrap();
-    let smoke = b.medium(Heterogeneous::new(grid, 1.5, albedo, phase).unwrap().into());
-    part(&mut b, DVec3::splat(-0.85), DVec3::splat(0.65), smoke, MediumId::VACUUM);
-    let wall = diffuse(&mut b, Spectrum::rgb(0.7, 0.5, 0.3));
-    place(&mut b, rooms::hollow_cube(1.0), wall, None);
-    let black = diffuse(&mut b, Spectrum::BLACK);
-    let lamp = Disk { centre: Vec3::new(0.2, 0.1, 0.95), radius: 0.4, frame: Frame::around(Vec3::NEG_Z) };
-    place(&mut b, ShapeGeometry::Disk(lamp), black, Some(Spectrum::rgb(5.0, 4.0, 3.0)));
-    b.camera(camera(DVec3::new(0.7, -0.9, 0.3), DVec3::new(-0.3, 0.3, -0.2), 70.0, (8, 8)));
-    built(b)
 }
 
 #[test]

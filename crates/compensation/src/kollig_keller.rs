@@ -1,4 +1,4 @@
-//! Compensation by continued paths (Kollig and Keller 2004).
+//! Compensation by continued paths (Kollig and Keller 2004), in media too (Raab, Seibert and Keller 2008).
 
 use manylight_framework::{Bounding, Claim, Compensator, Depth, Onward, Pair, PathClasses, Probe};
 use manylight_math::Spectrum;
@@ -11,6 +11,10 @@ use manylight_scene::{Mode, Scene, Vertex};
 ///
 /// y being what a ray along the sampled direction w meets, and L(y) again such a sum: the lights are asked at y, bounded, and so
 /// on. Russian roulette by the weight ends the recursion, most often at once: beyond 1 / sqrt(b) nothing is missing.
+///
+/// In media (Raab et al.) y is where a free flight along w ends: at a collision, or at the surface. G has no cosine where a vertex
+/// lies in a medium, transmittance is no part of it (so that what is taken away does not depend on its estimate), and a flight
+/// leaves a weight of albedo times 1 - b / G.
 ///
 /// It also follows mirrors and glass from y on, with weight 1: no virtual light can shine through them, bounded or not. So with
 /// it, virtual lights make caustics as well (except those of lights without extent, which no path meets).
@@ -37,6 +41,11 @@ const SURVIVAL: f32 = 0.95;
 /// Residual steps, and edges, from which roulette never lets everything through.
 const CERTAIN: u32 = 4;
 
+/// Probability with which a path of this weight goes on, whose last residual step is of this number.
+pub(crate) fn survival(weight: Spectrum, level: u32) -> f32 {
+    weight.luminance().min(if level <= CERTAIN { 1.0 } else { SURVIVAL })
+}
+
 impl Compensator for KolligKeller {
     fn residual(
         &self,
@@ -60,12 +69,13 @@ impl Compensator for KolligKeller {
             ray.t_max = ray.t_max.min((cos_x / bounding.cap()).sqrt());
         }
         probe.path_rays += 1;
-        let Some(y) = scene.intersect(&ray, Mode::Radiance) else { return Spectrum::BLACK };
-        let step = Step { scene, onward, at: at.step(1) };
+        let (y, through) = scene.advance(&ray, Mode::Radiance, next.weight, s);
+        let Some(y) = y else { return Spectrum::BLACK };
+        let (step, weight) = (Step { scene, onward, at: at.step(1) }, next.weight * through);
         let g = cos_x * y.normal().map_or(1.0, |n| n.dot(next.dir).abs()) / (y.p - x.p).length_squared();
         // At contact G is infinite, and nothing is kept.
         let lost = if g < f32::INFINITY { 1.0 - bounding.keep(&Pair { g, lobes: None }) } else { 1.0 };
-        step.scattered(&y, next.weight * lost, probe, s) + step.behind_delta(y, next.weight, probe, s)
+        step.scattered(&y, weight * lost, probe, s) + step.behind_delta(y, weight, probe, s)
     }
     fn repairs(&self, bounding: Claim) -> Claim {
         match self.steps {
@@ -96,7 +106,7 @@ struct Step<'a> {
 impl Step<'_> {
     /// weight x what leaves y, by Russian roulette.
     fn scattered(&self, y: &Vertex, weight: Spectrum, probe: &mut Probe, s: &mut Stream) -> Spectrum {
-        let survival = weight.luminance().min(if self.at.level <= CERTAIN { 1.0 } else { SURVIVAL });
+        let survival = survival(weight, self.at.level);
         if !y.connects() || !(s.next_f32() < survival) {
             return Spectrum::BLACK;
         }
@@ -117,7 +127,9 @@ impl Step<'_> {
             probe.path_rays += 1;
             at.edges += 1;
             let counts = self.onward.counts(at.edges);
-            let Some(z) = self.scene.intersect(&y.leave(next.dir), Mode::Radiance) else {
+            let (z, through) = self.scene.advance(&y.leave(next.dir), Mode::Radiance, weight, s);
+            weight *= through;
+            let Some(z) = z else {
                 if counts {
                     sum += weight * self.scene.environment(next.dir);
                 }

@@ -2,12 +2,12 @@
 
 use crate::{
     BoundCluster, Bounding, Bounds, Contribute, Explained, Kernel, Limited, Located, Notes, Probe, Reach, ReachCluster,
-    Reaches, Unshadowed, VirtualLight,
+    Reaches, Stretch, Unshadowed, VirtualLight,
 };
 use arrayvec::ArrayVec;
-use manylight_math::{Spectrum, Vec3};
+use manylight_math::{Ray, Spectrum, Vec3};
 use manylight_sampling::Stream;
-use manylight_scene::{Edge, Scene, Vertex};
+use manylight_scene::{Edge, Scene, Span, Vertex};
 
 /// Lights that light sets hand to `contributions` at a time.
 pub const BATCH: usize = 64;
@@ -123,6 +123,21 @@ impl Located for Vertex {
 impl<R: Located, K, B: ?Sized> Located for Gather<'_, R, K, B> {
     fn position(&self) -> Vec3 {
         self.receiver.position()
+    }
+}
+impl Stretch for Vertex {
+    fn stretch(&self) -> Ray {
+        Ray { t_max: 0.0, ..Ray::new(self.p, Vec3::Z) }
+    }
+}
+impl Stretch for Span {
+    fn stretch(&self) -> Ray {
+        self.ray
+    }
+}
+impl<R: Stretch, K, B: ?Sized> Stretch for Gather<'_, R, K, B> {
+    fn stretch(&self) -> Ray {
+        self.receiver.stretch()
     }
 }
 impl<R, K, B: ?Sized> Limited for Gather<'_, R, K, B> {

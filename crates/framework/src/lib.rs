@@ -164,7 +164,7 @@ pub use kernel::{Bounds, Connection, Kernel, Pair, Reach, Reaches};
 pub use light::{Blend, Clustered, VirtualLight};
 pub use light_set::{
     BoundCluster, BuildError, Contribute, LightSet, Limited, Located, Notes, Occlusion, Picks, Plan, ReachCluster,
-    Unshadowed,
+    Stretch, Unshadowed,
 };
 pub use probe::{Explained, Explanation, NonFinite, Probe};
 pub use receiver::Receiver;

@@ -1,7 +1,7 @@
 //! Light sets, and the questions that they ask about one receiver.
 
 use crate::{Promise, Reach};
-use manylight_math::{Aabb, Spectrum, Vec3};
+use manylight_math::{Aabb, Ray, Spectrum, Vec3};
 use manylight_sampling::Stream;
 use manylight_scene::Edge;
 
@@ -57,6 +57,12 @@ pub trait ReachCluster<C> {
 pub trait Located {
     /// \[m\]
     fn position(&self) -> Vec3;
+}
+
+/// Question: along what do you lie? A point is a ray without length. For sets that ask the lights nearby alone.
+pub trait Stretch {
+    /// With a finite `t_max`. \[m\]
+    fn stretch(&self) -> Ray;
 }
 
 /// Question: how many edges may a path still take, the connection included?

@@ -2,7 +2,7 @@
 
 use crate::many_lights::Prepared;
 use crate::{ManyLights, direct_along};
-use manylight_framework::{BoundingPlan, Claim, Gather, Integrator, LightSet, PassError, Plan, Probe, Promise};
+use manylight_framework::{BoundingPlan, Claim, Depth, Gather, Integrator, LightSet, PassError, Plan, Probe, Promise};
 use manylight_math::{Ray, Spectrum};
 use manylight_sampling::Stream;
 use manylight_scene::{Scene, Span, Vertex};
@@ -107,7 +107,7 @@ where
 /// The composite where there are media: what light sets bring to surfaces, seen through the media, and what they bring to the
 /// media along the camera's ray,
 ///
-/// > L = T(0,s) L(surface) + int T(0,u) \[j(u) + sigma_s(u) (direct light + lights)(u)\] du.
+/// > L = T(0,s) L(surface) + int T(0,u) \[j(u) + sigma_s(u) (direct light + lights + residual)(u)\] du.
 ///
 /// Lights are of a generator that knows media. Without media it is [`ManyLights`].
 pub struct InMedia<L, P, K, B, M> {
@@ -165,6 +165,9 @@ where
                     edges_least: self.lights.min_edges.saturating_sub(edges + 1),
                 };
                 sum += through * self.segment.gather(&span, &at, probe, s);
+                if self.lights.compensation.is_some() {
+                    sum += through * self.lost(scene, p, &span, edges, probe, s);
+                }
             }
             through *= marched.map_or_else(|| medium.transmittance(ray, run.from, run.to, s), |m| m.1);
             if through.is_black() {
@@ -172,6 +175,24 @@ where
             }
         }
         (sum, through)
+    }
+    /// What the bounding took away from what the lights bring to a segment: at one point of it, drawn by free flight whatever points
+    /// the lights have drawn, since the expectations of all are integrals over the segment.
+    fn lost(
+        &self,
+        scene: &Scene,
+        p: &Prepared<P::Set, B::Pass>,
+        span: &Span,
+        edges: u32,
+        probe: &mut Probe,
+        s: &mut Stream,
+    ) -> Spectrum {
+        let Some(medium) = scene.medium(span.ray.medium) else { return Spectrum::BLACK };
+        let Some((t, weight)) = medium.collide(&span.ray, s) else { return Spectrum::BLACK };
+        let (x, at) = (span.at(t, Spectrum::ONE), Depth { edges, level: 0 });
+        // A frame's compensation knows surfaces alone.
+        let compensator = self.lights.compensation.at(1);
+        weight * self.lights.lost(scene, p, &x, at, &p.bounding, compensator, probe, s)
     }
 }
 

@@ -159,10 +159,6 @@ where
         let lights = compensator.is_none_or(|c| c.asks_lights(at.level));
         let bounding: &dyn Bounding = if lights { &p.bounding } else { &KeepNothing };
         let mut sum = Spectrum::BLACK;
-        if p.covers_direct && self.compensation.is_some() && self.counts(at.edges + 1) {
-            // Virtual lights on the emitters are bounded too. Emitters can be sampled: no residual path need find them.
-            sum += lost_direct_light(scene, x, bounding, probe, s);
-        }
         if lights {
             let mut ask = Gather {
                 scene,
@@ -174,6 +170,25 @@ where
                 probe: &mut *probe,
             };
             sum += p.set.radiance(&mut ask, s);
+        }
+        sum + self.lost(scene, p, x, at, bounding, compensator, probe, s)
+    }
+    /// What the bounding took away from what the lights bring to `x`.
+    pub(crate) fn lost(
+        &self,
+        scene: &Scene,
+        p: &Prepared<P::Set, B::Pass>,
+        x: &Vertex,
+        at: Depth,
+        bounding: &dyn Bounding,
+        compensator: Option<&dyn Compensator>,
+        probe: &mut Probe,
+        s: &mut Stream,
+    ) -> Spectrum {
+        let mut sum = Spectrum::BLACK;
+        if p.covers_direct && self.compensation.is_some() && self.counts(at.edges + 1) {
+            // Virtual lights on the emitters are bounded too. Emitters can be sampled: no residual path need find them.
+            sum += lost_direct_light(scene, x, bounding, probe, s);
         }
         if let Some(c) = compensator {
             let onward = Further { method: self, scene, prepared: p };

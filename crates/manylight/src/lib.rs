@@ -37,6 +37,7 @@ pub use manylight_many_lights as many_lights;
 pub use manylight_math as math;
 pub use manylight_media as media;
 pub use manylight_metropolis_ir as metropolis_ir;
+pub use manylight_photon as photon;
 pub use manylight_recipes as recipes;
 pub use manylight_reference as reference;
 pub use manylight_render as render;

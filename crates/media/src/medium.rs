@@ -74,6 +74,13 @@ impl Medium {
             Medium::Heterogeneous(m) => m.scattering(p),
         }
     }
+    /// sigma_t at a point. [1/m]
+    pub fn extinction(&self, p: Vec3) -> Spectrum {
+        match self {
+            Medium::Homogeneous(m) => m.extinction,
+            Medium::Heterogeneous(m) => m.extinction(p),
+        }
+    }
     /// Never below sigma_s at any point. [1/m]
     pub fn scattering_max(&self) -> Spectrum {
         match self {

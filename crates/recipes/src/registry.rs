@@ -2,7 +2,7 @@
 
 use crate::error::near;
 use crate::params::{BIDIRECTIONAL, COMMON, PATH, TRACERS};
-use crate::parts::{MANY_LIGHTS, media, volume};
+use crate::parts::{MANY_LIGHTS, media, photon, volume};
 use crate::values::Values;
 use crate::{Param, RecipeError, parts, path_lights, yardsticks};
 use manylight_framework::{Claim, Method, PathClasses};
@@ -123,6 +123,32 @@ static METHODS: &[MethodInfo] = &[
         compose: media::rays,
     },
     MethodInfo {
+        name: "photon-map",
+        summary: "photons of light paths within a radius of points on surfaces and along the camera's ray",
+        paper: "Jensen and Christensen 1998, Efficient simulation of light transport in scenes with participating media using photon \
+                maps; Knaus and Zwicker 2011, Progressive photon mapping: a probabilistic approach",
+        own: photon::POINTS,
+        presets: &[],
+        compose: photon::at_points,
+    },
+    MethodInfo {
+        name: "beam-radiance",
+        summary: "photons of light paths within a radius of the camera's ray, all of it at once",
+        paper: "Jarosz, Zwicker and Jensen 2008, The beam radiance estimate for volumetric photon mapping",
+        own: photon::RAYS,
+        presets: &[],
+        compose: photon::at_rays,
+    },
+    MethodInfo {
+        name: "photon-beams",
+        summary: "the edges of light paths in media as beams of a width, which the camera's ray crosses",
+        paper: "Jarosz, Nowrouzezahrai, Sadeghi and Jensen 2011, A comprehensive theory of volumetric radiance estimation using photon \
+                points and beams",
+        own: photon::BEAMS,
+        presets: &[],
+        compose: photon::beams,
+    },
+    MethodInfo {
         name: "lgh",
         summary: "fire: media that shine as one light a voxel, those nearby as they are, those far away averaged on grids; light is \
                   scattered once",
@@ -166,7 +192,7 @@ static METHODS: &[MethodInfo] = &[
 ];
 
 /// Methods that scatter in media; the others would leave out what media take and give.
-const IN_MEDIA: &[&str] = &["path", "media-vpl", "vrl", "lgh"];
+const IN_MEDIA: &[&str] = &["path", "media-vpl", "vrl", "photon-map", "beam-radiance", "photon-beams", "lgh"];
 /// Methods that see media shine; the others would leave that light out.
 const IN_FIRE: &[&str] = &["path", "lgh"];
 

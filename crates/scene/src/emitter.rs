@@ -152,14 +152,15 @@ pub struct Emitters {
 }
 
 impl Emitters {
-    /// Shapes that emit first, in their order, then the others. Also the emitter of each shape (`u32::MAX`: none).
+    /// Shapes that emit first, in their order, then the others. Also the emitter of each shape (`u32::MAX`: none). Light from infinity
+    /// falls on all of `bounds`.
     pub(crate) fn new(
         radiances: &[Option<Source>],
         others: Vec<Emitter>,
         geometry: &Geometry,
+        bounds: Aabb,
         textures: &[Texture],
     ) -> (Self, Vec<u32>) {
-        let bounds = geometry.bounds();
         let world = if bounds.is_empty() {
             (Vec3::ZERO, 1.0)
         } else {

@@ -232,7 +232,9 @@ impl SceneBuilder {
             SceneError::Geometry { name, error }
         })?;
         let radiances: Vec<_> = shapes.iter().map(|s| s.radiance).collect();
-        let (emitters, of_shape) = Emitters::new(&radiances, self.emitters, &geometry, &self.textures);
+        // Media may reach further than the shapes do.
+        let all = self.boundaries.iter().fold(geometry.bounds(), |all, b| all.join(&b.geometry.bounds()));
+        let (emitters, of_shape) = Emitters::new(&radiances, self.emitters, &geometry, all, &self.textures);
         for (shape, emitter) in shapes.iter_mut().zip(of_shape) {
             shape.emitter = emitter;
         }

@@ -50,6 +50,20 @@ pub(crate) fn asks_lights_further_on(v: &Values) -> bool {
     }
 }
 
+/// `None`: no limit.
+pub(crate) fn steps(v: &Values) -> Result<Option<u32>, RecipeError> {
+    Ok(match v.text("steps") {
+        "none" => None,
+        _ => Some(v.integer("steps")? as u32),
+    })
+}
+
+/// By `steps` and `arrival`.
+pub(crate) fn continued_paths(v: &Values) -> Result<KolligKeller, RecipeError> {
+    let arrival = if v.text("arrival") == "lights" { Arrival::Lights } else { Arrival::Path };
+    Ok(KolligKeller { steps: steps(v)?, arrival })
+}
+
 pub(crate) fn compensation(v: &Values, scene: &Scene) -> Result<Compensation, RecipeError> {
     let name = v.text("compensation");
     if name != "none" && scene.has_media() {
@@ -58,14 +72,7 @@ pub(crate) fn compensation(v: &Values, scene: &Scene) -> Result<Compensation, Re
         )));
     }
     Ok(match name {
-        "kollig-keller" => {
-            let steps = match v.text("steps") {
-                "none" => None,
-                _ => Some(v.integer("steps")? as u32),
-            };
-            let arrival = if v.text("arrival") == "lights" { Arrival::Lights } else { Arrival::Path };
-            Compensation::Point(Box::new(KolligKeller { steps, arrival }))
-        }
+        "kollig-keller" => Compensation::Point(Box::new(continued_paths(v)?)),
         "screen-space" => {
             if v.is_given("min-depth") && v.integer("min-depth")? > 1 {
                 return Err(RecipeError::Contrary(

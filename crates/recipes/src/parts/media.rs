@@ -1,10 +1,11 @@
 //! Virtual lights in media: point lights at collisions, and ray lights.
 
 use crate::params::{Kind, Param, WHOLE};
+use crate::parts::compensation::{continued_paths, steps};
 use crate::parts::{bound, sharp};
 use crate::values::Values;
 use crate::{RecipeError, parts::direct};
-use manylight_compensation::BoundPlan;
+use manylight_compensation::{BoundPlan, Engelhardt};
 use manylight_framework::{Compensation, Generator, Method, Plan};
 use manylight_light_list::{All, Power};
 use manylight_many_lights::{InMedia, ManyLights, Sampled, Whole};
@@ -34,8 +35,30 @@ const SEGMENT: &[Param] = &[
         "how the camera's ray through a medium is gathered: each light draws its own point on it (by angle), or all share points \
          drawn by free flight",
     ),
-    Param::new("compensation", Kind::Choice(&["none"]), "none", "in media nothing brings back what a bound takes away"),
     Param::new("points", Kind::Integer { min: 1, max: 1024 }, "1", "points a segment").part_of("segment", &["points"]),
+];
+
+const COMPENSATION: &[Param] = &[
+    Param::new(
+        "compensation",
+        Kind::Choice(&["none", "raab", "engelhardt"]),
+        "none",
+        "estimates what the bound takes away; `raab`: by continued paths, and with them light through mirrors and glass; `engelhardt`: as if the medium around each point were even and empty (biased)",
+    ),
+    Param::new(
+        "steps",
+        Kind::IntegerOr { min: 1, max: 1 << 16, words: &["none"] },
+        "none",
+        "residual steps at most; `none`: no limit (raab: unbiased). Of engelhardt, in media: what comes after is a geometric series",
+    )
+    .part_of("compensation", &["raab", "engelhardt"]),
+    Param::new(
+        "arrival",
+        Kind::Choice(&["lights", "path"]),
+        "lights",
+        "how light is found where a residual path arrives: by all lights again as in the paper, or by path tracing from there on (fewer rays, more noise)",
+    )
+    .part_of("compensation", &["raab"]),
 ];
 
 const RAYS: &[Param] = &[
@@ -70,13 +93,7 @@ where
     InMedia<(Vec<Vpl>, Vec<Vrl>), P, Rays, BoundPlan, Whole>: Method,
 {
     let (min_edges, max_edges) = v.depths(scene)?;
-    let generator = Box::new(RayWalk {
-        paths: v.integer("paths")?,
-        max_edges: (max_edges != u32::MAX).then_some(max_edges),
-        certain_edges: v.integer("rr-depth")? as u32,
-        emitters: v.text("direct") == "virtual",
-        extent: if v.text("rays") == "long" { Extent::Long } else { Extent::Short },
-    });
+    let generator = Box::new(ray_walk(v, max_edges, v.text("direct") == "virtual")?);
     let (bounding, compensation, sharp) = (of_geometry(v)?, Compensation::None, v.number("sharp")?);
     let lights = ManyLights { generator, plan, kernel: Rays, bounding, compensation, max_edges, min_edges, sharp };
     Ok(Box::new(InMedia { lights, segment: Whole }))
@@ -92,8 +109,20 @@ fn of_geometry(v: &Values) -> Result<BoundPlan, RecipeError> {
     bound::plan(v)
 }
 
+/// The walk whose edges are ray lights, or beams.
+pub(crate) fn ray_walk(v: &Values, max_edges: u32, emitters: bool) -> Result<RayWalk, RecipeError> {
+    Ok(RayWalk {
+        paths: v.integer("paths")?,
+        max_edges: (max_edges != u32::MAX).then_some(max_edges),
+        certain_edges: v.integer("rr-depth")? as u32,
+        emitters,
+        extent: if v.text("rays") == "long" { Extent::Long } else { Extent::Short },
+    })
+}
+
 /// Of `media-vpl`.
-pub(crate) const MEDIA_VPL: &[&[Param]] = &[PARAMS, SEGMENT, bound::PARAMS, direct::PARAMS, sharp::PARAMS];
+pub(crate) const MEDIA_VPL: &[&[Param]] =
+    &[PARAMS, SEGMENT, bound::PARAMS, COMPENSATION, direct::PARAMS, sharp::PARAMS];
 
 pub(crate) fn vpls(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
     match v.text("lights") {
@@ -108,13 +137,29 @@ where
     InMedia<Vec<Vpl>, P, Points, BoundPlan, Sampled>: Method,
 {
     let (min_edges, max_edges) = v.depths(scene)?;
-    let (bounding, compensation, sharp) = (of_geometry(v)?, Compensation::None, v.number("sharp")?);
+    let (bounding, compensation, sharp) = (of_geometry(v)?, compensation(v)?, v.number("sharp")?);
     let generator = generator(v, scene)?;
     let lights = ManyLights { generator, plan, kernel: Points, bounding, compensation, max_edges, min_edges, sharp };
     Ok(match v.text("segment") {
         "points" => Box::new(InMedia { lights, segment: Sampled { points: v.integer("points")? as u32 } }),
         _ => Box::new(InMedia { lights, segment: Whole }),
     })
+}
+
+/// Of what the bound takes from lights on surfaces and in media.
+fn compensation(v: &Values) -> Result<Compensation, RecipeError> {
+    if v.text("compensation") == "none" {
+        return Ok(Compensation::None);
+    }
+    if v.text("direct") == "only" {
+        return Err(RecipeError::Contrary(
+            "with direct=only there are no lights that a bound could take from: leave `compensation` out".into(),
+        ));
+    }
+    Ok(Compensation::Point(match v.text("compensation") {
+        "engelhardt" => Box::new(Engelhardt { steps: steps(v)? }),
+        _ => Box::new(continued_paths(v)?),
+    }))
 }
 
 /// Keller's walk leaves lights at collisions too.

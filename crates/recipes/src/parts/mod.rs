@@ -10,6 +10,7 @@ mod generator;
 mod kernel;
 mod lights;
 pub(crate) mod media;
+pub(crate) mod photon;
 mod sharp;
 pub(crate) mod volume;
 
