@@ -39,6 +39,7 @@ mod scene;
 mod spot;
 mod texture;
 mod vertex;
+mod visibility;
 
 pub use camera::{Camera, View};
 pub use emitter::{Emission, Emitter, EmitterPart, EmitterSample, Emitters, Part, PartAxis};

@@ -4,14 +4,13 @@ use crate::mask::coin;
 use crate::material::Resolved;
 use crate::media::{Boundaries, Media};
 use crate::relief::Seen;
-use crate::vertex::{Edge, MediumPoint, Scatter, Sides, SurfacePoint, Vertex};
+use crate::vertex::{MediumPoint, Scatter, Sides, SurfacePoint, Vertex};
 use crate::{
     Boundary, Camera, Emission, Emitter, EmitterPart, EmitterSample, Emitters, Filter, Material, MaterialId, Part, Run,
     Source, Texture, TextureId,
 };
-use arrayvec::ArrayVec;
 use manylight_bsdf::{Bsdf, Mode};
-use manylight_geometry::{Geometry, GeometryError, Hit, Occluders, ShapeGeometry, Simd, offset_from, shadow_segment};
+use manylight_geometry::{Geometry, GeometryError, Hit, ShapeGeometry, Simd};
 use manylight_math::{Aabb, Frame, MediumId, Ray, Spectrum, Vec3};
 use manylight_media::Medium;
 use manylight_sampling::Stream;
@@ -272,16 +271,6 @@ impl SceneBuilder {
     }
 }
 
-/// The ray that has to be clear; `None` between coincident points.
-fn shadow_ray(edge: &Edge) -> Option<Ray> {
-    match edge {
-        Edge::Between(a, b) => shadow_segment((a.p, a.surface), (b.p, b.surface)),
-        Edge::ToInfinity(a, w) => {
-            Some(Ray::new(a.surface.map_or(a.p, |(n, error)| offset_from(a.p, n, error, *w)), *w))
-        }
-    }
-}
-
 /// A shape without its geometry, which lives in `Geometry`.
 pub(crate) struct Placed {
     name: String,
@@ -480,59 +469,6 @@ impl Scene {
     /// Radiance that arrives along a ray which meets nothing. [W/(m^2 sr)]
     pub fn environment(&self, dir: Vec3) -> Spectrum {
         self.emitters.environment_radiance(dir)
-    }
-    /// What gets through along an edge: black if a surface blocks it, else one, or what the media on the way let through (an
-    /// estimate where that has no closed form; only then is anything drawn). Media are known at the edge's first end.
-    pub fn transmittance(&self, edge: &Edge, s: &mut Stream) -> Spectrum {
-        match shadow_ray(edge) {
-            None => Spectrum::ONE, // nothing fits between coincident points
-            Some(ray) => match self.clearance(&ray) {
-                clear if clear <= 0.0 => Spectrum::BLACK,
-                clear => self.through_media(edge, ray, s) * clear,
-            },
-        }
-    }
-    /// The same for up to 64 edges at once, sooner: draws and answers are those of one after the other. The second end of each is
-    /// the one that later edges will have too: what lies in its way is remembered in `occluders`.
-    pub fn transmittances(&self, edges: &[Edge], out: &mut [Spectrum], occluders: &mut Occluders, s: &mut Stream) {
-        if self.masked {
-            // Rays pass surfaces, in order.
-            edges.iter().zip(out).for_each(|(e, o)| *o = self.transmittance(e, s));
-            return;
-        }
-        let mut rays = ArrayVec::<Ray, 64>::new();
-        let mut shared = ArrayVec::<Vec3, 64>::new();
-        let mut whose = ArrayVec::<usize, 64>::new();
-        out.fill(Spectrum::ONE);
-        for (k, edge) in edges.iter().enumerate() {
-            if let Some(ray) = shadow_ray(edge) {
-                rays.push(ray);
-                whose.push(k);
-                shared.push(match edge {
-                    Edge::Between(_, b) => b.p,
-                    Edge::ToInfinity(_, w) => *w,
-                });
-            }
-        }
-        let occluded = self.geometry.occluded_of(&rays, &shared, occluders);
-        for (r, (&k, ray)) in whose.iter().zip(&rays).enumerate() {
-            let blocked = occluded >> r & 1 != 0;
-            out[k] = if blocked { Spectrum::BLACK } else { self.through_media(&edges[k], *ray, s) };
-        }
-    }
-    /// What media let through along an edge that no surface blocks.
-    fn through_media(&self, edge: &Edge, ray: Ray, s: &mut Stream) -> Spectrum {
-        let Some(media) = &self.media else { return Spectrum::ONE };
-        let (ray, from) = match edge {
-            // The shadow ray may run either way.
-            Edge::Between(a, b) => {
-                let d = b.p - a.p;
-                let length = d.length();
-                (Ray { t_max: length, ..Ray::new(a.p, d / length) }, a)
-            }
-            Edge::ToInfinity(a, _) => (ray, a),
-        };
-        media.transmittance(&ray.within(from.towards(ray.dir)), s)
     }
     /// Draws a point of an emitter, or a direction to infinity. `None` if nothing shines.
     pub fn sample_emitter(&self, s: &mut Stream) -> Option<EmitterSample> {
