@@ -90,7 +90,9 @@ pub fn glass_in_fog() -> Scene {
         material: glass,
         radiance: None,
     });
-    b.parts(ball, Sides { outside: haze, inside: MediumId::VACUUM });
+    // The same fog under another name, as scene files have it.
+    let again = fog(&mut b, Spectrum::rgb(0.9, 0.8, 0.7), Spectrum::gray(0.5), 0.0);
+    b.parts(ball, Sides { outside: again, inside: MediumId::VACUUM });
     let wall = diffuse(&mut b, Spectrum::gray(0.5));
     place(&mut b, hollow_cube(1.0), wall, None);
     let black = diffuse(&mut b, Spectrum::BLACK);

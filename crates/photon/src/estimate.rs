@@ -45,11 +45,13 @@ impl Kernel<Vertex, Photon> for Estimate {
                 // The flux is one per area across the geometric normal.
                 gives(x.eval(there.wi) * l.flux * (1.0 / (PI * r2 * cosine)), x)
             }
-            (Scatter::Medium(here), Scatter::Medium(there)) if here.medium == there.medium => {
+            // A scene file may name one fog many times: which medium a photon is in says nothing.
+            (Scatter::Medium(here), Scatter::Medium(there)) => {
                 let sigma = scene.medium(here.medium)?.scattering(x.p);
                 let per_scattering = sigma.map(|s| if s > 0.0 { 1.0 / s } else { 0.0 });
                 let volume = 4.0 / 3.0 * PI * r2 * l.radius;
-                gives(x.lobe_at(there.wi) * per_scattering * l.flux * (1.0 / volume), x)
+                let f = there.phase.eval(there.wi, here.wi) / volume;
+                gives(here.scattering * per_scattering * l.flux * f, x)
             }
             _ => None,
         }
@@ -60,9 +62,6 @@ impl Kernel<Vertex, Photon> for Estimate {
 impl Kernel<Span, Photon> for Estimate {
     fn connect(&self, scene: &Scene, r: &Span, l: &Photon, s: &mut Stream) -> Option<Connection> {
         let Scatter::Medium(there) = &l.vertex.scatter else { return None };
-        if there.medium != r.ray.medium {
-            return None;
-        }
         let to = l.vertex.p - r.ray.origin;
         let u = to.dot(r.ray.dir);
         let r2 = l.radius * l.radius;
@@ -70,7 +69,7 @@ impl Kernel<Span, Photon> for Estimate {
             return None;
         }
         let through = scene.medium(r.ray.medium)?.transmittance(&r.ray, 0.0, u, s);
-        gives(l.flux * through * (r.phase.eval(there.wi, -r.ray.dir) / (PI * r2)), &l.vertex)
+        gives(l.flux * through * (there.phase.eval(there.wi, -r.ray.dir) / (PI * r2)), &l.vertex)
     }
 }
 
@@ -84,9 +83,6 @@ impl Kernel<Vertex, Beam> for Estimate {
 /// Phi sigma_s(v) f T(v) T(u) / (2 R sin theta) where the two lines pass each other nearer than R, both within their pieces.
 impl Kernel<Span, Beam> for Estimate {
     fn connect(&self, scene: &Scene, r: &Span, l: &Beam, s: &mut Stream) -> Option<Connection> {
-        if l.span.ray.medium != r.ray.medium {
-            return None;
-        }
         let (a, b) = (r.ray.dir.as_dvec3().normalize(), l.span.ray.dir.as_dvec3().normalize());
         let to = l.span.ray.origin.as_dvec3() - r.ray.origin.as_dvec3();
         let across = a.cross(b);
@@ -100,10 +96,10 @@ impl Kernel<Span, Beam> for Estimate {
         if !inside {
             return None;
         }
-        let medium = scene.medium(r.ray.medium)?;
+        let (here, there) = (scene.medium(r.ray.medium)?, scene.medium(l.span.ray.medium)?);
         let (u, v) = (u as f32, v as f32);
-        let y = l.span.at(v, medium.scattering(l.span.ray.at(v)));
-        let through = l.arrives(medium, v, s) * medium.transmittance(&r.ray, 0.0, u, s);
+        let y = l.span.at(v, there.scattering(l.span.ray.at(v)));
+        let through = l.arrives(there, v, s) * here.transmittance(&r.ray, 0.0, u, s);
         let width = 2.0 * f64::from(l.radius) * sine;
         gives(y.lobe_at(-r.ray.dir) * l.flux * through * (1.0 / width) as f32, &y)
     }
