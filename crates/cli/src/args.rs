@@ -33,6 +33,8 @@ pub enum Command {
     Compare(Compare),
     /// Holds methods against what they claim
     Verify(Verify),
+    /// Computes the comparison figures of the field: one HTML page
+    Gallery(Gallery),
     /// Says which virtual lights made a pixel, what the bound took, and what compensation gave
     Explain(Explain),
     /// Says what a scene holds, which methods suit it, and what they miss of it
@@ -259,6 +261,33 @@ pub struct Verify {
     /// What all random numbers follow from
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
+}
+
+/// Renders and draws the figures by which many-light methods are explained, each with its command and its numbers, into DIR/gallery.html
+/// (which needs no other file), with a PNG or SVG of each beside it.
+#[derive(Debug, Args)]
+pub struct Gallery {
+    /// Directory to write
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Small images and few passes: minutes instead of hours
+    #[arg(long)]
+    pub quick: bool,
+    /// Size of the images in pixels [default: 352x264, with --quick 176x132]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// Only these figures (may be repeated, or joined by commas)
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// The repository's folder of scenes
+    #[arg(long, value_name = "DIR", default_value = "scenes")]
+    pub scenes: PathBuf,
+    /// What all random numbers follow from
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Says nothing on the way
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// Says which virtual lights made a pixel of a pass: for splotches, fireflies and dark corners.

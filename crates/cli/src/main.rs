@@ -5,6 +5,7 @@ mod compare;
 mod diff;
 mod explain;
 mod failure;
+mod gallery;
 mod info;
 mod interrupt;
 mod lights;
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Command::Diff(args) => diff::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Verify(args) => verify::run(&args),
+        Command::Gallery(args) => gallery::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Info(args) => info::run(&args),
         Command::List(args) => list::run(&args),

@@ -1,10 +1,12 @@
 //! `manylight compare` from outside: its files, its numbers, its page.
 
+mod browser;
+
 use manylight_framework::Image;
 use manylight_render::files::read_exr;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 use tempfile::TempDir;
 
@@ -177,14 +179,6 @@ fn ctrl_c_writes_the_runs_that_there_are() {
     assert!(!rows.is_empty() && rows.len() < 10_000);
 }
 
-/// Chromium, by the environment variable `CHROMIUM` or in the path.
-fn chromium() -> Option<PathBuf> {
-    let names = ["chromium", "chromium-browser", "google-chrome", "chrome", "chrome-headless-shell"];
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let mut all = std::env::split_paths(&path).flat_map(|d| names.map(|n| d.join(n)));
-    std::env::var_os("CHROMIUM").map(PathBuf::from).or_else(|| all.find(|p| p.is_file()))
-}
-
 /// What a user does, and what the page then shows: put behind the page's own script.
 const USER: &str = r#"<script>
 const seen = [], $ = id => document.getElementById(id);
@@ -215,29 +209,13 @@ document.documentElement.dataset.seen = seen.join(' | ');
 
 #[test]
 fn the_page_works_from_disk_with_keys_and_mouse() {
-    let Some(chromium) = chromium() else {
-        println!("skipped: no Chromium in the path (or in the environment variable CHROMIUM)");
-        return;
-    };
     let here = compared();
     let page = fs::read_to_string(here.path().join("out/index.html")).unwrap();
     assert!(
         !page.contains("http://") && !page.contains("https://")
             || page.matches("http").count() == page.matches("http://www.w3.org/").count()
     );
-    let watch = "<script>addEventListener('error', e => document.documentElement.dataset.errors = e.message)</script>";
-    let page = page.replacen("<h1>", &format!("{watch}<h1>"), 1).replace("</html>", &format!("{USER}</html>"));
-    let path = here.path().join("page.html");
-    fs::write(&path, page).unwrap();
-    let profile = here.path().join("profile");
-    let output = Command::new(chromium)
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--window-size=1000,900", "--dump-dom"])
-        .arg(format!("--user-data-dir={}", profile.display()))
-        .arg(format!("file://{}", path.display()))
-        .output()
-        .unwrap();
-    let dom = String::from_utf8_lossy(&output.stdout);
-    let html = dom.split_once("<html").map(|(_, rest)| rest.split('>').next().unwrap().to_string()).unwrap_or_default();
+    let Some(html) = browser::attributes(here.path(), &page, USER) else { return };
     assert!(html.contains("data-ready=\"8\"") && !html.contains("data-errors"), "{html}");
     for expected in [
         "start: 0 1 split",

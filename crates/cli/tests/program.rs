@@ -273,7 +273,10 @@ fn help_shows_only_what_there_is() {
     let (out, _) = ends_with(0, &here, "--help");
     let commands = out.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let names: Vec<_> = commands.filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(names, ["render", "lights", "diff", "compare", "verify", "explain", "info", "list", "scene", "help"]);
+    assert_eq!(
+        names,
+        ["render", "lights", "diff", "compare", "verify", "gallery", "explain", "info", "list", "scene", "help"]
+    );
     ends_with(0, &here, "--version");
     ends_with(1, &here, "");
 }

@@ -131,7 +131,7 @@ fn a_right_light_and_a_right_light_set_keep_their_claims() {
 
 #[test]
 fn a_light_and_a_light_set_that_lie_are_caught() {
-    for liar in [lights("twice", |k| Twice(Sorted(k))), set("forgetful", || Forgetful(4))] {
+    for liar in [lights("twice", |k| Twice(Sorted(k))), set("forgetful", || Forgetful(16))] {
         for report in reports(&*liar) {
             assert!(report.fails(), "{report}");
         }

@@ -1,6 +1,9 @@
 //! A study as one HTML page that needs nothing else: no network, no other file.
 
+mod gallery;
 mod pixels;
+
+pub use gallery::{Figure, Gallery};
 
 use crate::plot::{Axis, COLOURS};
 use crate::{COLUMNS, Estimate, ImageView, ReportError, Study};
@@ -30,16 +33,6 @@ struct Embedded {
 impl Study {
     /// The page. The first picture is the reference, which differences are taken from; all have its size.
     pub fn page(&self, pictures: &[Picture]) -> Result<String, ReportError> {
-        if let Some((first, rest)) = pictures.split_first() {
-            rest.iter().try_for_each(|p| p.image.check_size(&first.image))?;
-        }
-        let shrink = pictures.first().map_or(1, |p| pixels::shrink(p.image.width(), p.image.height()));
-        let embedded: Vec<Embedded> = pictures.iter().map(|p| pixels::embed(p, shrink)).collect();
-        let data = serde_json::json!({
-            "exposure": self.exposure,
-            "shrink": shrink,
-            "pictures": embedded,
-        });
         let plots = [Axis::RelMse, Axis::Flip, Axis::Percentile];
         let plots: Result<Vec<_>, _> = plots.into_iter().map(|axis| self.plot(axis)).collect();
         let plots: String = plots?.into_iter().flatten().map(|svg| format!("<figure>{svg}</figure>\n")).collect();
@@ -52,8 +45,8 @@ impl Study {
             ("PLOTS", plots),
             ("METHODS", self.methods()),
             ("COLUMNS", columns()),
-            // `</script>` in a name would end the script.
-            ("DATA", serde_json::to_string(&data)?.replace('<', "\\u003c")),
+            ("VIEWER", viewer("", self.exposure, pictures)?),
+            ("KEYS", include_str!("keys.html").to_string()),
             ("SCRIPT", include_str!("page.js").to_string()),
         ];
         Ok(filled(include_str!("page.html"), &fills))
@@ -199,6 +192,19 @@ impl Study {
         };
         self.subjects.iter().map(item).collect()
     }
+}
+
+/// Pictures with a slider; `prefix` tells several on a page apart.
+fn viewer(prefix: &str, exposure: f32, pictures: &[Picture]) -> Result<String, ReportError> {
+    if let Some((first, rest)) = pictures.split_first() {
+        rest.iter().try_for_each(|p| p.image.check_size(&first.image))?;
+    }
+    let shrink = pictures.first().map_or(1, |p| pixels::shrink(p.image.width(), p.image.height()));
+    let embedded: Vec<Embedded> = pictures.iter().map(|p| pixels::embed(p, shrink)).collect();
+    let data = serde_json::json!({ "exposure": exposure, "shrink": shrink, "pictures": embedded });
+    // `</script>` in a name would end the script.
+    let data = serde_json::to_string(&data)?.replace('<', "\\u003c");
+    Ok(filled(include_str!("viewer.html"), &[("PREFIX", prefix.to_string()), ("DATA", data)]))
 }
 
 fn columns() -> String {

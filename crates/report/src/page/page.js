@@ -1,8 +1,9 @@
 'use strict';
-(() => {
-  const data = JSON.parse(document.getElementById('data').textContent);
-  const pictures = data.pictures, $ = id => document.getElementById(id);
-  if (!pictures.length) return;
+// Images with a slider: as often on a page as there are scripts of class `pictures`.
+function viewer(script, alone) {
+  const data = JSON.parse(script.textContent), prefix = script.id.slice(0, -'data'.length);
+  const pictures = data.pictures, $ = id => document.getElementById(prefix + id);
+  if (!pictures.length) return 0;
   const { width, height } = pictures[0];
 
   // Half floats by table.
@@ -25,7 +26,7 @@
   // The state is all there is to draw; the address after # keeps it.
   const start = { left: 0, right: Math.min(1, pictures.length - 1), mode: 'split', ev: data.exposure, scale: 0, at: 0.5, zoom: 1, x: 0, y: 0 };
   const state = { ...start };
-  for (const [k, v] of new URLSearchParams(location.hash.slice(1))) {
+  for (const [k, v] of new URLSearchParams(alone ? location.hash.slice(1) : '')) {
     if (k === 'mode') { if (['split', 'difference', 'signed'].includes(v)) state.mode = v; }
     else if (k in start && isFinite(v) && v !== '') state[k] = +v;
   }
@@ -97,6 +98,7 @@
     label(pictures[state.left].name, 8, 'left'); label(pictures[state.right].name, canvas.width - 8, 'right');
     $('captions').replaceChildren(...[state.left, state.right].map(i => Object.assign(document.createElement('span'), { textContent: pictures[i].caption })));
     status();
+    if (!alone) return; // the address keeps the state of one
     const keep = Object.entries(state).filter(([k, v]) => v !== start[k]).map(([k, v]) => `${k}=${typeof v === 'number' ? +v.toFixed(4) : v}`);
     try { history.replaceState(null, '', keep.length ? '#' + keep.join('&') : location.pathname + location.search); } catch { /* not allowed from some places */ }
   }
@@ -152,6 +154,7 @@
     0: () => Object.assign(state, start),
   };
   addEventListener('keydown', e => {
+    if (!alone && document.activeElement !== canvas) return;
     if (e.ctrlKey || e.metaKey || e.altKey || /^(INPUT|SELECT|TH)$/.test(e.target.tagName || '')) return;
     const digit = /^Digit([1-9])$/.exec(e.code || '');
     if (digit && +digit[1] <= pictures.length) state[e.shiftKey ? 'right' : 'left'] = digit[1] - 1;
@@ -167,8 +170,13 @@
   $('reset').addEventListener('click', () => { Object.assign(state, start); draw(); });
   addEventListener('resize', resize);
 
-  // Sorting by the number behind each cell; by text in the first column.
-  const table = $('table'), heads = [...table.tHead.rows[0].cells];
+  resize();
+  return pictures.length;
+}
+
+// Sorting by the number behind each cell; by text in the first column.
+function sortable(table) {
+  const heads = [...table.tHead.rows[0].cells];
   heads.forEach((th, column) => {
     const sort = () => {
       const up = th.getAttribute('aria-sort') !== 'ascending';
@@ -181,6 +189,8 @@
     th.addEventListener('click', sort);
     th.addEventListener('keydown', e => { if (e.key === 'Enter') sort(); });
   });
-  resize();
-  document.documentElement.dataset.ready = pictures.length;
-})();
+}
+
+const scripts = [...document.querySelectorAll('script.pictures')];
+document.documentElement.dataset.ready = scripts.reduce((sum, s) => sum + viewer(s, scripts.length === 1), 0);
+document.querySelectorAll('table#table').forEach(sortable);
