@@ -37,7 +37,8 @@ type Key = (PathBuf, Kind);
 
 enum Content {
     Mesh(RawMesh),
-    Image(Arc<Bitmap>),
+    /// And the least and largest value of its channels.
+    Image(Arc<Bitmap>, [f32; 2]),
     Grid(RawGrid),
 }
 
@@ -88,9 +89,10 @@ impl<'a> Assets<'a> {
             _ => Err((format!("`{name}` was not read"), None)),
         }
     }
-    pub(crate) fn image(&self, name: &str, raw: bool) -> Result<Arc<Bitmap>, Failure> {
+    /// And the least and largest value of its channels.
+    pub(crate) fn image(&self, name: &str, raw: bool) -> Result<(Arc<Bitmap>, [f32; 2]), Failure> {
         match self.content.get(&(self.folders.find(name), Kind::Image { raw })) {
-            Some(Ok(Content::Image(image))) => Ok(image.clone()),
+            Some(Ok(Content::Image(image, extent))) => Ok((image.clone(), *extent)),
             Some(Err(failure)) => Err(failure.clone()),
             _ => Err((format!("`{name}` was not read"), None)),
         }
@@ -126,7 +128,9 @@ fn read_one(path: &Path, kind: Kind) -> Result<Content, Failure> {
         Kind::Obj => obj::read(&bytes()?).map(Content::Mesh),
         Kind::Ply => ply::read(&bytes()?).map(Content::Mesh),
         Kind::Grid => vol::read(&bytes()?).map(Content::Grid),
-        Kind::Image { raw } => image::read(&bytes()?, raw).map(|i| Content::Image(Arc::new(i))),
+        Kind::Image { raw } => {
+            image::read(&bytes()?, raw).map(|(image, extent)| Content::Image(Arc::new(image), extent))
+        }
     };
     result.map_err(|e| (format!("`{shown}`: {e}"), None))
 }
