@@ -14,7 +14,7 @@ use manylight_scene_io::LoadOptions;
 pub fn run(args: &Explain) -> Result<(), Failure> {
     let cancel = interrupt::flag()?;
     let options = LoadOptions { defines: args.defines.clone(), size: args.size, filter: None };
-    let scene = manylight_scene_io::load(&args.scene, &options).map_err(Failure::mistake)?.scene;
+    let scene = crate::loading::load(&args.scene, &options, false)?.scene;
     let (width, height) = scene.camera().size;
     let (x, y) = args.pixel;
     if x >= width || y >= height {

@@ -2,12 +2,13 @@
 
 use crate::args::Info;
 use crate::failure::Failure;
+use crate::loading::load;
 use crate::output::{say, table};
 use crate::units;
 use manylight_framework::{Claim, PathClasses};
 use manylight_recipes::{build, default_method, method, methods};
 use manylight_scene::{Inventory, Scene};
-use manylight_scene_io::{LoadOptions, Loaded, load};
+use manylight_scene_io::{LoadOptions, Loaded};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -18,7 +19,7 @@ pub fn run(args: &Info) -> Result<(), Failure> {
     }
     let options = LoadOptions { defines: args.defines.clone(), ..LoadOptions::default() };
     let start = Instant::now();
-    let Loaded { scene, warnings, files } = load(&args.scene, &options).map_err(Failure::mistake)?;
+    let Loaded { scene, warnings, files } = load(&args.scene, &options, false)?;
     let seconds = start.elapsed();
     for warning in &warnings {
         eprintln!("warning: {warning}");

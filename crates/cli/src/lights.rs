@@ -3,11 +3,12 @@
 use crate::args::Lights;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::loading::load;
 use crate::output::say;
 use manylight_framework::{GenerateError, Probe, VirtualLight};
 use manylight_render::files;
 use manylight_scene::{EmitterPoint, Scatter};
-use manylight_scene_io::{LoadOptions, load};
+use manylight_scene_io::LoadOptions;
 use manylight_vpl::Vpl;
 
 /// Generates the lights of one pass, and writes them.
@@ -15,7 +16,7 @@ pub fn run(args: &Lights) -> Result<(), Failure> {
     files::check_writable(&args.output)?;
     let cancel = interrupt::flag()?;
     let options = LoadOptions { defines: args.defines.clone(), ..LoadOptions::default() };
-    let loaded = load(&args.scene, &options).map_err(Failure::mistake)?;
+    let loaded = load(&args.scene, &options, false)?;
     let real = |p: &std::path::Path| p.canonicalize().unwrap_or_else(|_| p.into());
     if loaded.files.iter().any(|f| real(f) == real(&args.output)) {
         return Err(Failure::Mistake(format!(

@@ -10,6 +10,7 @@ mod info;
 mod interrupt;
 mod lights;
 mod list;
+mod loading;
 mod output;
 mod progress;
 mod render;

@@ -4,7 +4,7 @@ use crate::document::{Class, Document, Object, Value};
 use crate::mesh::{RawMesh, obj, ply, serialized};
 use crate::vol::{self, RawGrid};
 use crate::xml::Folders;
-use crate::{diagnostic, image};
+use crate::{Loading, diagnostic, image};
 use manylight_scene::Bitmap;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
@@ -12,6 +12,7 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Larger files than this are not scenes. [bytes]
 pub(crate) const MOST_BYTES: u64 = 16 << 30;
@@ -36,7 +37,8 @@ type Key = (PathBuf, Kind);
 
 enum Content {
     Mesh(RawMesh),
-    Image(Arc<Bitmap>),
+    /// And the least and largest value of its channels.
+    Image(Arc<Bitmap>, [f32; 2]),
     Grid(RawGrid),
 }
 
@@ -50,7 +52,7 @@ pub(crate) struct Assets<'a> {
 
 impl<'a> Assets<'a> {
     /// Reads every mesh and image that the document names.
-    pub(crate) fn read(document: &Document, folders: &'a Folders) -> Self {
+    pub(crate) fn read(document: &Document, folders: &'a Folders, watch: &(dyn Fn(Loading) + Sync)) -> Self {
         let mut keys: Vec<Key> = Vec::new();
         let mut known = HashSet::new();
         for object in document.objects() {
@@ -61,7 +63,14 @@ impl<'a> Assets<'a> {
                 }
             }
         }
-        let content: Vec<_> = keys.par_iter().map(|(path, kind)| read_one(path, *kind)).collect();
+        let (done, all) = (AtomicUsize::new(0), keys.len());
+        let read = |(path, kind): &Key| {
+            let content = read_one(path, *kind);
+            watch(Loading::Files { done: 1 + done.fetch_add(1, Ordering::Relaxed), all });
+            content
+        };
+        // One at a time: they are of very different sizes.
+        let content: Vec<_> = keys.par_iter().with_max_len(1).map(read).collect();
         let mut listed = HashSet::new();
         let paths = keys.iter().map(|(path, _)| path.clone()).filter(|path| listed.insert(path.clone())).collect();
         Assets { folders, content: keys.into_iter().zip(content).collect(), paths }
@@ -80,9 +89,10 @@ impl<'a> Assets<'a> {
             _ => Err((format!("`{name}` was not read"), None)),
         }
     }
-    pub(crate) fn image(&self, name: &str, raw: bool) -> Result<Arc<Bitmap>, Failure> {
+    /// And the least and largest value of its channels.
+    pub(crate) fn image(&self, name: &str, raw: bool) -> Result<(Arc<Bitmap>, [f32; 2]), Failure> {
         match self.content.get(&(self.folders.find(name), Kind::Image { raw })) {
-            Some(Ok(Content::Image(image))) => Ok(image.clone()),
+            Some(Ok(Content::Image(image, extent))) => Ok((image.clone(), *extent)),
             Some(Err(failure)) => Err(failure.clone()),
             _ => Err((format!("`{name}` was not read"), None)),
         }
@@ -118,7 +128,9 @@ fn read_one(path: &Path, kind: Kind) -> Result<Content, Failure> {
         Kind::Obj => obj::read(&bytes()?).map(Content::Mesh),
         Kind::Ply => ply::read(&bytes()?).map(Content::Mesh),
         Kind::Grid => vol::read(&bytes()?).map(Content::Grid),
-        Kind::Image { raw } => image::read(&bytes()?, raw).map(|i| Content::Image(Arc::new(i))),
+        Kind::Image { raw } => {
+            image::read(&bytes()?, raw).map(|(image, extent)| Content::Image(Arc::new(image), extent))
+        }
     };
     result.map_err(|e| (format!("`{shown}`: {e}"), None))
 }

@@ -28,6 +28,6 @@ pub fn check(format: Format, bytes: &[u8]) -> Result<usize, String> {
             serialized::read(&mut Cursor::new(bytes), 0).map(|m| m.positions.len() + m.triangles.len())
         }
         Format::Vol => vol::read(bytes).map(|g| g.values.len()),
-        Format::Image => image::read(bytes, false).map(|i| i.pixels.len()),
+        Format::Image => image::read(bytes, false).map(|(image, _)| image.pixels.len()),
     }
 }

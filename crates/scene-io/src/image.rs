@@ -17,13 +17,26 @@ pub(crate) fn srgb_to_linear(x: f32) -> f32 {
     if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Reads a file's content. 8- and 16-bit images are sRGB and are linearised, unless `raw`; alpha is passed over.
-pub(crate) fn read(bytes: &[u8], raw: bool) -> Result<Bitmap, String> {
-    let bitmap = if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) { read_exr(bytes)? } else { read_other(bytes, raw)? };
-    match bitmap.pixels.iter().position(|p| !p.is_finite()) {
-        Some(i) => Err(format!("pixel ({}, {}) is not finite", i % bitmap.width, i / bitmap.width)),
-        None => Ok(bitmap),
+/// Reads a file's content, and the least and largest value of any channel. 8- and 16-bit images are sRGB and are linearised, unless
+/// `raw`; alpha is passed over.
+pub(crate) fn read(bytes: &[u8], raw: bool) -> Result<(Bitmap, [f32; 2]), String> {
+    let bitmap = if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        read_exr(bytes)?
+    } else {
+        match read_other(bytes, raw)? {
+            // Of whole numbers: they need not be looked through, which for large images takes as long as to write them.
+            (bitmap, true) => return Ok((bitmap, [0.0, 1.0])),
+            (bitmap, false) => bitmap,
+        }
+    };
+    let mut extent = [f32::INFINITY, f32::NEG_INFINITY];
+    for (i, p) in bitmap.pixels.iter().enumerate() {
+        if !p.is_finite() {
+            return Err(format!("pixel ({}, {}) is not finite", i % bitmap.width, i / bitmap.width));
+        }
+        extent = [extent[0].min(p.0.min_element()), extent[1].max(p.largest())];
     }
+    Ok((bitmap, extent))
 }
 
 /// Headers lie: what they promise is bounded by limits, and by what so many bytes could hold if compressed 10,000 to one.
@@ -41,7 +54,8 @@ fn check_size(width: usize, height: usize, bytes: usize) -> Result<(), String> {
     Ok(())
 }
 
-fn read_other(bytes: &[u8], raw: bool) -> Result<Bitmap, String> {
+/// Also whether it is of whole numbers.
+fn read_other(bytes: &[u8], raw: bool) -> Result<(Bitmap, bool), String> {
     let broken = |e: image::ImageError| format!("cannot be decoded: {e}");
     // Some writers of Radiance files, Mitsuba's among them, name the program otherwise than the decoder expects.
     let renamed;
@@ -66,7 +80,8 @@ fn read_other(bytes: &[u8], raw: bool) -> Result<Bitmap, String> {
     let (width, height) = (width as usize, height as usize);
     check_size(width, height, bytes.len())?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(broken)?;
-    Ok(Bitmap { width, height, pixels: linear_pixels(decoded, raw) })
+    let whole = !matches!(decoded, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
+    Ok((Bitmap { width, height, pixels: linear_pixels(decoded, raw) }, whole))
 }
 
 fn linear_pixels(image: DynamicImage, raw: bool) -> Vec<Spectrum> {
@@ -145,10 +160,10 @@ mod tests {
         let small = png(DynamicImage::ImageLuma8(image::GrayImage::from_pixel(2, 1, image::Luma([128]))));
         let deep = png(DynamicImage::ImageRgb16(image::ImageBuffer::from_pixel(2, 1, image::Rgb([128 * 257; 3]))));
         for bytes in [small, deep] {
-            let bitmap = read(&bytes, false).unwrap();
-            assert_eq!((bitmap.width, bitmap.height), (2, 1));
+            let (bitmap, extent) = read(&bytes, false).unwrap();
+            assert_eq!((bitmap.width, bitmap.height, extent), (2, 1, [0.0, 1.0]));
             assert!((bitmap.pixels[1].0.x - 0.2159).abs() < 1e-4, "{:?}", bitmap.pixels[1]);
-            assert!((read(&bytes, true).unwrap().pixels[1].0.x - 128.0 / 255.0).abs() < 1e-6);
+            assert!((read(&bytes, true).unwrap().0.pixels[1].0.x - 128.0 / 255.0).abs() < 1e-6);
         }
     }
     #[test]
@@ -158,7 +173,8 @@ mod tests {
         image::codecs::hdr::HdrEncoder::new(&mut bytes).encode(&pixels, 2, 2).unwrap();
         let other = [b"#?RGBE\n".as_slice(), bytes.strip_prefix(b"#?RADIANCE\n").unwrap()].concat();
         for bytes in [bytes, other] {
-            assert_eq!(read(&bytes, false).unwrap().pixels[3], Spectrum::rgb(2.0, 1.0, 0.5));
+            let (bitmap, extent) = read(&bytes, false).unwrap();
+            assert_eq!((bitmap.pixels[3], extent), (Spectrum::rgb(2.0, 1.0, 0.5), [0.5, 2.0]));
         }
     }
     #[test]
@@ -167,7 +183,8 @@ mod tests {
         let pixel = |p: exr::Vec2<usize>| (p.x() as f32, p.y() as f32, 1e6f32);
         let image = exr::Image::from_channels((3, 2), exr::SpecificChannels::rgb(pixel));
         exr::WritableImage::write(&image).to_buffered(&mut bytes).unwrap();
-        let bitmap = read(bytes.get_ref(), false).unwrap();
+        let (bitmap, extent) = read(bytes.get_ref(), false).unwrap();
+        assert_eq!(extent, [0.0, 1e6]);
         assert_eq!((bitmap.width, bitmap.height), (3, 2));
         assert_eq!(bitmap.pixels[5], Spectrum::rgb(2.0, 1.0, 1e6));
         let cut = &bytes.get_ref()[..bytes.get_ref().len() - 9];

@@ -68,8 +68,27 @@ impl std::fmt::Debug for Loaded {
     }
 }
 
+/// Where loading stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Loading {
+    /// Meshes, images and grids that are read, of how many.
+    Files {
+        /// Read.
+        done: usize,
+        /// All.
+        all: usize,
+    },
+    /// All are read: shapes are placed, and the tree over them is built.
+    Building,
+}
+
 /// Loads a scene file. Files that it names are relative to its folder.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, Errors> {
+    load_watched(path, options, &|_| {})
+}
+
+/// The same, telling how far it is: by several threads, in any order.
+pub fn load_watched(path: &Path, options: &LoadOptions, watch: &(dyn Fn(Loading) + Sync)) -> Result<Loaded, Errors> {
     let nowhere = |(message, help)| {
         let mut report = Report::default();
         report.add_source(path, String::new());
@@ -85,13 +104,23 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, Errors> {
         report.errors()
     })?;
     let base_dir = path.parent().unwrap_or(Path::new(""));
-    let mut loaded = parse(&text, path, base_dir, options)?;
+    let mut loaded = parse_watched(&text, path, base_dir, options, watch)?;
     loaded.files.insert(0, path.to_owned());
     Ok(loaded)
 }
 
 /// Reads a scene from a text. Messages name it `path`; files that it names are relative to `base_dir`.
 pub fn parse(text: &str, path: &Path, base_dir: &Path, options: &LoadOptions) -> Result<Loaded, Errors> {
+    parse_watched(text, path, base_dir, options, &|_| {})
+}
+
+fn parse_watched(
+    text: &str,
+    path: &Path,
+    base_dir: &Path,
+    options: &LoadOptions,
+    watch: &(dyn Fn(Loading) + Sync),
+) -> Result<Loaded, Errors> {
     let mut report = Report::default();
     let source = report.add_source(path, text.to_owned());
     let mut defines = xml::Defines::new(&options.defines);
@@ -101,7 +130,8 @@ pub fn parse(text: &str, path: &Path, base_dir: &Path, options: &LoadOptions) ->
     let loaded = root.and_then(|root| {
         let document = document::Document::read(root, &folders, &report)?;
         defines.report_unused(&report);
-        let assets = assets::Assets::read(&document, &folders);
+        let assets = assets::Assets::read(&document, &folders, watch);
+        watch(Loading::Building);
         let mut loaded = build::build(&document, &report, &assets, options)?;
         loaded.files = folders.included.iter().chain(&assets.paths).cloned().collect();
         Some(loaded)

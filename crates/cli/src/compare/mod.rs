@@ -45,8 +45,7 @@ pub fn run(args: &Compare) -> Result<(), Failure> {
     let cancel = interrupt::flag()?;
     let options =
         LoadOptions { defines: args.defines.clone(), size: Some(truth.size(args.size)?), filter: args.filter };
-    let Loaded { scene, warnings, files } =
-        manylight_scene_io::load(&args.scene, &options).map_err(Failure::mistake)?;
+    let Loaded { scene, warnings, files } = crate::loading::load(&args.scene, &options, args.quiet)?;
     warnings.iter().for_each(|w| eprintln!("warning: {w}"));
     let entry = |s: &&Spec| -> Result<Entry, Failure> {
         let recipe = manylight_recipes::build(&s.method, &s.parameters, &scene)

@@ -95,7 +95,7 @@ fn budget(args: &Render) -> Budget {
 
 fn load(args: &Render) -> Result<Loaded, Failure> {
     let options = LoadOptions { defines: args.defines.clone(), size: args.size, filter: args.filter };
-    manylight_scene_io::load(&args.scene, &options).map_err(Failure::mistake)
+    crate::loading::load(&args.scene, &options, args.quiet)
 }
 
 fn warn(warnings: &[impl std::fmt::Display]) {

@@ -129,14 +129,14 @@ impl<'a> Builder<'a> {
             self.report.error(at, "`to_world` of an `envmap` can rotate and mirror, but not stretch");
         }
         let (name, at) = filename(q)?;
-        let image = match self.assets.image(name, false) {
+        let (image, [least, _]) = match self.assets.image(name, false) {
             Ok(image) => image,
             Err(failure) => {
                 self.fail(at, failure);
                 return None;
             }
         };
-        if image.pixels.iter().any(|p| p.0.min_element() < 0.0) {
+        if least < 0.0 {
             self.report.error(at, format!("`{name}` has negative pixels"));
             return None;
         }

@@ -127,12 +127,12 @@ impl<'a> Builder<'a> {
         q.ignore(&["accel", "format"]);
         let (name, at) = filename(q)?;
         match self.assets.image(name, raw) {
-            Ok(image) => {
-                if image.pixels.iter().any(|p| p.0.min_element() < 0.0) {
+            Ok((image, [least, largest])) => {
+                if least < 0.0 {
                     self.report.error(at, format!("`{name}` has negative pixels"));
                     return None;
                 }
-                if range == Range::Reflectance && image.pixels.iter().any(|p| p.largest() > 1.0) {
+                if range == Range::Reflectance && largest > 1.0 {
                     self.report.warn(at, format!("`{name}` has pixels above 1: as a reflectance they create light"));
                 }
                 Some(Texture::Bitmap { image, filter, wrap, to_uv })
