@@ -5,6 +5,7 @@ use crate::{ManyLights, direct_along};
 use manylight_framework::{BoundingPlan, Claim, Depth, Gather, Integrator, LightSet, PassError, Plan, Probe, Promise};
 use manylight_math::{Ray, Spectrum};
 use manylight_sampling::Stream;
+use manylight_sampling::along::Exponential;
 use manylight_scene::{Scene, Span, Vertex};
 
 /// What a light set is asked with along the camera's ray.
@@ -75,6 +76,50 @@ where
         for _ in 0..n {
             let Some((t, weight)) = medium.collide(&span.ray, s) else { continue };
             let x = span.at(t, Spectrum::ONE);
+            let probe = &mut *probe;
+            let mut ask = Gather { scene, receiver: &x, kernel, bounding, edges_left, edges_least, probe };
+            sum += weight * set.radiance(&mut ask, s);
+        }
+        sum * (1.0 / n as f32)
+    }
+}
+
+/// Receivers are points of the segment, one in each of its parts: evenly where the medium varies, by free flight where it does not. For
+/// sets that give radiance per scattering coefficient: where points are drawn by flight alone, thin smoke is met seldom, and then
+/// counts the more.
+#[derive(Clone, Copy, Debug)]
+pub struct Parted {
+    /// How many; at least one.
+    pub points: u32,
+}
+impl Promise for Parted {
+    fn claim(&self) -> Claim {
+        Claim::UNBIASED
+    }
+}
+impl<S, K, B> Segment<S, K, B> for Parted
+where
+    S: for<'g> LightSet<Gather<'g, Vertex, K, B>>,
+{
+    fn gather(&self, span: &Span, at: &Along<S, K, B>, probe: &mut Probe, s: &mut Stream) -> Spectrum {
+        let Along { scene, set, kernel, bounding, edges_left, edges_least } = *at;
+        let Some(medium) = scene.medium(span.ray.medium) else { return Spectrum::BLACK };
+        let n = self.points.max(1);
+        let length = f64::from(span.ray.t_max);
+        let flight = medium.homogeneous().map(|_| Exponential::new(medium.extinction_mean(), length));
+        let (mut sum, mut through, mut reached) = (Spectrum::BLACK, Spectrum::ONE, 0.0f32);
+        for i in 0..n {
+            let u = (f64::from(i) + s.next_f64()) / f64::from(n);
+            let (t, pdf) = flight.map_or((u * length, 1.0 / length), |f| (f.sample(u), f.pdf(f.sample(u))));
+            let t = (t as f32).max(reached);
+            // Parts do not overlap: a product of independent estimates.
+            through *= medium.transmittance(&span.ray, reached, t, s);
+            reached = t;
+            let x = span.at(t, Spectrum::ONE);
+            let weight = through * medium.scattering(x.p) * (1.0 / pdf) as f32;
+            if weight.is_black() {
+                continue;
+            }
             let probe = &mut *probe;
             let mut ask = Gather { scene, receiver: &x, kernel, bounding, edges_left, edges_least, probe };
             sum += weight * set.radiance(&mut ask, s);

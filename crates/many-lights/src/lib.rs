@@ -20,5 +20,5 @@ mod many_lights;
 
 pub use along::direct_along;
 pub use direct::{direct_light, lost_direct_light};
-pub use in_media::{Along, InMedia, Marched, Sampled, Segment, Whole};
+pub use in_media::{Along, InMedia, Marched, Parted, Sampled, Segment, Whole};
 pub use many_lights::{ManyLights, Prepared};

@@ -6,7 +6,7 @@ use crate::parts::{media, sharp};
 use crate::values::Values;
 use manylight_compensation::BoundPlan;
 use manylight_framework::{Compensation, Generator, Method, Plan};
-use manylight_many_lights::{InMedia, ManyLights, Sampled, Segment, Whole};
+use manylight_many_lights::{InMedia, ManyLights, Parted, Segment, Whole};
 use manylight_photon::{BeamSource, Estimate, Nearby, PhotonBeams, Photons, Radii};
 use manylight_scene::Scene;
 use manylight_vpl::{Emission, Keller};
@@ -55,7 +55,7 @@ pub(crate) const BEAMS: &[&[Param]] = &[PARAMS, EXTENT, sharp::PARAMS];
 const AUTO: f32 = 0.01;
 
 pub(crate) fn at_points(v: &Values, scene: &Scene) -> Result<Box<dyn Method>, RecipeError> {
-    let segment = Sampled { points: v.integer("points")? as u32 };
+    let segment = Parted { points: v.integer("points")? as u32 };
     composed(v, scene, photons(v, scene, 3.0)?, Nearby, segment)
 }
 
