@@ -176,16 +176,16 @@ pub static FIGURES: &[Figure] = &[
     Figure {
         name: "smoke",
         title: "Ray lights against point lights: a smoky room",
-        caption: "Wisps of smoke, lit through a window.",
+        caption: "Wisps of smoke, lit through a window: few of the light paths get in, and most of the noise is that of the light through it.",
         content: images(
             "smoky-room",
             NONE,
-            shot("paths", "path:spp=32", 4),
+            shot("paths", "path:spp=24", 3),
             &[
-                shot("points", "media-vpl:paths=24,bound=none", 4),
-                shot("points, bounded", "media-vpl:paths=24", 4),
-                shot("rays", "vrl:paths=24", 2),
-                shot("rays, bounded", "vrl:paths=24,bound=10", 2),
+                shot("points", "media-vpl:paths=160,bound=none", 3),
+                shot("points, bounded", "media-vpl:paths=160", 3),
+                shot("rays", "vrl:paths=128", 2),
+                shot("rays, bounded", "vrl:paths=128,bound=10", 2),
             ],
         ),
     },
@@ -248,8 +248,9 @@ pub static FIGURES: &[Figure] = &[
     Figure {
         name: "fire",
         title: "A lighting grid hierarchy against path tracing",
-        caption: "An explosion lights its own smoke and the floor. Light is scattered once in all three. All lights asked, the grid, and \
-                  paths in about the grid's time.",
+        caption: "An explosion lights its own smoke and the floor, scattered once in all four: paths, the grid, the same lights by stochastic \
+                  lightcuts, and few paths. Look at the difference too: lights of blocks and averages stand elsewhere than the fire, with \
+                  other smoke before them.",
         content: images(
             "explosion",
             NONE,
