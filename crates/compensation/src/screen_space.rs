@@ -108,7 +108,10 @@ impl ScreenSpace {
         let nearest = (p.depth - radius).max(0.5 * p.depth);
         // Off the axis by theta, a pixel is narrower by cos theta seen across, and by its square seen along.
         let cos = camera.forward.dot(camera.ray(Vec2::new(at.0 as f32 + 0.5, at.1 as f32 + 0.5)).dir);
-        let pixels = radius / (nearest * camera.pixel_area().sqrt() * cos * cos);
+        let pixels = match camera.is_parallel() {
+            true => radius / camera.pixel_area().sqrt(),
+            false => radius / (nearest * camera.pixel_area().sqrt() * cos * cos),
+        };
         let diagonal = (camera.size.0 as f32).hypot(camera.size.1 as f32);
         Some(pixels.clamp(NEAREST + 1.0, diagonal))
     }
