@@ -168,7 +168,7 @@ pub static FIGURES: &[Figure] = &[
             &[
                 shot("points", "media-vpl:paths=32,bound=none", 6),
                 shot("points, bounded", "media-vpl:paths=32", 6),
-                shot("rays", "vrl:paths=32", 4),
+                shot("rays", "vrl:paths=32,bound=none", 4),
                 shot("rays, bounded", "vrl:paths=32,bound=10", 4),
             ],
         ),
@@ -184,7 +184,7 @@ pub static FIGURES: &[Figure] = &[
             &[
                 shot("points", "media-vpl:paths=160,bound=none", 3),
                 shot("points, bounded", "media-vpl:paths=160", 3),
-                shot("rays", "vrl:paths=128", 2),
+                shot("rays", "vrl:paths=128,bound=none", 2),
                 shot("rays, bounded", "vrl:paths=128,bound=10", 2),
             ],
         ),
@@ -201,7 +201,7 @@ pub static FIGURES: &[Figure] = &[
             shots: &[
                 shot("points", "media-vpl:paths=32,bound=none", 2),
                 shot("points, bounded", "media-vpl:paths=32", 2),
-                shot("rays", "vrl:paths=32", 2),
+                shot("rays", "vrl:paths=32,bound=none", 2),
                 shot("rays, bounded", "vrl:paths=32,bound=10", 2),
             ],
             frames: 3,
