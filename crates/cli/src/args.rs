@@ -256,7 +256,7 @@ pub struct Verify {
     #[arg(long)]
     pub thorough: bool,
     /// Looks until a bias of so many percent of the whole image's mean would be seen, however long that takes
-    #[arg(long, value_name = "PERCENT", value_parser = percent, conflicts_with = "thorough")]
+    #[arg(long, value_name = "PERCENT", value_parser = percent, conflicts_with_all = ["thorough", "stability"])]
     pub sees: Option<f64>,
     /// What all random numbers follow from
     #[arg(long, default_value_t = 0)]

@@ -75,6 +75,8 @@ fn mistakes_are_named() {
         ("path --table out.csv", "--stability"),
         ("path --stability --table out.txt", ".csv or .json"),
         ("--stability --compositions", "--compositions"),
+        ("path --stability --sees 0.5", "--sees"),
+        ("instant-radiosity --stability -P bound=abc", "bound=abc"),
     ] {
         let (code, out, err) = verify(args);
         assert!(code == Some(1) && out.is_empty() && err.contains(names), "`{args}`: {code:?} {out} {err}");

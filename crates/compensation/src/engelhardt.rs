@@ -31,6 +31,8 @@ pub struct Engelhardt {
 const THIN: f32 = 1.5;
 /// Of the series' ratio: further orders are forty times the first at most.
 const MOST: f32 = 0.975;
+/// Orders beyond which the ratio's powers are nothing (0.975^400 = 4e-5).
+const ENDLESS: u32 = 400;
 /// Surfaces' paths go on as Kollig and Keller's.
 const AT_SURFACES: KolligKeller = KolligKeller { steps: None, arrival: Arrival::Lights };
 
@@ -110,6 +112,11 @@ pub fn lost_fraction(u: f32) -> f32 {
     (1.0 - 2.0 / (x * x) * (1.0 - (1.0 + x) * (-x).exp())) as f32
 }
 
+/// The sum of q^0 .. q^more; `None`: without end.
+fn orders(q: f32, more: Option<i32>) -> f32 {
+    more.map_or(1.0, |more| 1.0 - q.powi(more + 1)) / (1.0 - q)
+}
+
 /// Onward, with the series of all further orders at points of media where the last step has arrived.
 struct Summed<'a> {
     onward: &'a dyn Onward,
@@ -121,21 +128,23 @@ impl Summed<'_> {
     fn is_last(&self, at: Depth) -> bool {
         self.steps.is_some_and(|most| at.level >= most)
     }
-    /// 1 / (1 - albedo f(u)) of each channel.
-    fn series(&self, y: &Vertex) -> Spectrum {
+    /// 1 / (1 - albedo f(u)) of each channel; where a path may not have so many more edges, the sum of what it may have.
+    fn series(&self, y: &Vertex, at: Depth) -> Spectrum {
+        let allows = |more: u32| self.onward.allows(at.edges.saturating_add(1).saturating_add(more));
+        let more = (!allows(ENDLESS)).then(|| (1..ENDLESS).take_while(|more| allows(*more)).count() as i32);
         let Scatter::Medium(point) = &y.scatter else { return Spectrum::ONE };
         let Some(medium) = self.scene.medium(point.medium) else { return Spectrum::ONE };
         let (sigma_s, sigma_t) = (medium.scattering(y.p).to_array(), medium.extinction(y.p).to_array());
         Spectrum::from([0, 1, 2].map(|c| {
             let albedo = if sigma_t[c] > 0.0 { sigma_s[c] / sigma_t[c] } else { 0.0 };
-            1.0 / (1.0 - (albedo * lost_fraction(sigma_t[c] * self.radius)).min(MOST))
+            orders((albedo * lost_fraction(sigma_t[c] * self.radius)).min(MOST), more)
         }))
     }
 }
 impl Onward for Summed<'_> {
     fn scattered(&self, y: &Vertex, at: Depth, probe: &mut Probe, s: &mut Stream) -> Spectrum {
         let once = self.onward.scattered(y, at, probe, s);
-        if self.is_last(at) { once * self.series(y) } else { once }
+        if self.is_last(at) { once * self.series(y, at) } else { once }
     }
     fn counts(&self, edges: u32) -> bool {
         self.onward.counts(edges)
@@ -159,6 +168,12 @@ mod tests {
             assert!((f64::from(lost_fraction(u)) - sum).abs() < 2e-5 * sum + 1e-9, "{u}: {} {sum}", lost_fraction(u));
         }
         assert_eq!((lost_fraction(0.0), lost_fraction(f32::INFINITY)), (0.0, 1.0));
+    }
+    #[test]
+    fn orders_end_where_paths_do() {
+        let sums = [Some(0), Some(1), Some(2), None].map(|more| orders(0.5, more));
+        assert_eq!(sums, [1.0, 1.5, 1.75, 2.0]);
+        assert_eq!(orders(0.0, Some(3)), 1.0);
     }
     #[test]
     fn distances_have_the_density_that_they_say() {

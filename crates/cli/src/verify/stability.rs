@@ -22,13 +22,17 @@ pub fn run(args: &Verify, chosen: Option<Registered>) -> Result<(), Failure> {
         Effort { work: 50_000, ..Effort::QUICK }
     };
     let stability = Stability { effort, seed: args.seed };
-    if alone {
-        let cases: Vec<_> = Case::all().map(|c| [c.name.to_string(), c.about.to_string()]).collect();
-        say(table(&cases));
-    }
     let mut cells = Vec::new();
     for subject in &subjects {
         let of_one = stability.run(subject);
+        if alone {
+            // What is wrong with a parameter is wrong everywhere.
+            if let Some(cell) = of_one.first().filter(|_| of_one.iter().all(|c| c.outcome == Outcome::Skipped)) {
+                return Err(Failure::Mistake(cell.why.clone()));
+            }
+            let cases: Vec<_> = Case::all().map(|c| [c.name.to_string(), c.about.to_string()]).collect();
+            say(table(&cases));
+        }
         say(summary(&subject.name(), &of_one, alone));
         cells.extend(of_one);
     }
